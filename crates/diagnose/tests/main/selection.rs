@@ -1,5 +1,4 @@
 //! What is named and what is not: laws outside the library, parameters far off, parameters held by their limits.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 

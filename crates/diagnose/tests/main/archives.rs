@@ -1,5 +1,4 @@
 //! Runs in NumPy archives, and files that are none.
-#![allow(clippy::unwrap_used)]
 
 use std::fs::File;
 use std::io::Write;

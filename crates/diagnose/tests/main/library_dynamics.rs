@@ -1,5 +1,5 @@
 //! Effects of the library leave the dynamics as they are while their amplitudes vanish, and change them as they say.
-#![allow(clippy::unwrap_used, clippy::format_push_string)]
+#![allow(clippy::format_push_string)]
 
 use bracketry_diagnose::{
     Cause, Change, Effect, Fit, LibrarySettings, Record, RecordSettings, Role, Study, StudySettings, candidates,

@@ -1,5 +1,4 @@
 //! What a verdict needs: evidence that is not counted twice, causes that held-out data bear out.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 

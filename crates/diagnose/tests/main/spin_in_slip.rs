@@ -1,5 +1,4 @@
 //! Friction against the spin of a contact that slides: what spins takes part in the slip, on one limit surface.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
     Cause, Effect, Estimate, ExtendedModel, LibrarySettings, Record, RecordSettings, Study, StudySettings, candidates,

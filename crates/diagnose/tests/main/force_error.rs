@@ -1,5 +1,5 @@
 //! The force error: the residual of equations on data, without a simulation.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::print_stderr)]
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

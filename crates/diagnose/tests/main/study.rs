@@ -1,5 +1,4 @@
 //! Fits over windows: what they recover, how certain they say they are, what they do with windows that fail.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
     Cause, Change, Coefficient, DiagnoseError, Effect, Fit, FitStatus, Measured, Note, Path, Quantity, Record, Role,

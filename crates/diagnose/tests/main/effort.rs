@@ -1,5 +1,5 @@
 //! A diagnosis costs no more than it did, by counts that are the same on every machine.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use bracketry_diagnose::{Effort, Settings};
 use bracketry_trials::{Choice, SliderEffect, SliderSensors, SliderTrial};

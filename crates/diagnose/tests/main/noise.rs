@@ -1,5 +1,4 @@
 //! The noise of a column against noise that was put there.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::TAU;
 

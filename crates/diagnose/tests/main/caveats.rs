@@ -1,9 +1,5 @@
 //! What speaks against a verdict is said: inputs that go on otherwise between samples, other units and signs, runs for validation that
 //! are not predicted, data without motion, dead sensors, another time.
-#![allow(clippy::unwrap_used)]
-
-#[path = "common/integrate.rs"]
-mod integrate;
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -73,7 +69,7 @@ impl Run {
                 let rate = |x: &[f64; 2], share: f64| {
                     [x[1], (at(share) - 20.0 * x[0] - (0.5 + self.drag * x[1].abs()) * x[1]) / self.mass]
                 };
-                [x, v] = integrate::step(rate, &[x, v], h);
+                [x, v] = crate::integrate::step(rate, &[x, v], h);
             }
         }
         if !self.velocity {

@@ -1,5 +1,4 @@
 //! The library finds places for its causes in the structure of models.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::HashSet;
 

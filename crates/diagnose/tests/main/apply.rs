@@ -1,5 +1,4 @@
 //! Effects change a model as they say, and leave it as it is while their amplitudes vanish.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{Cause, Change, Coefficient, DiagnoseError, Effect, Role, TIME_INPUT};
 use bracketry_system::System;

@@ -1,5 +1,4 @@
 //! The extended model as a file: read back, it has the right-hand sides of the fit.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 

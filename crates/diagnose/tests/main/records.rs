@@ -1,5 +1,4 @@
 //! Runs read from tables: which column is what, and what is refused.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,5 +1,4 @@
 //! What is said about data before anything is concluded from them.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,4 @@
 //! A diagnosis ends once the flag of its model's pool is raised, whatever it was doing.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 

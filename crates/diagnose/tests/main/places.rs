@@ -1,8 +1,4 @@
 //! Where a model is wrong, and what it misses over time.
-#![allow(clippy::unwrap_used)]
-
-#[path = "common/integrate.rs"]
-mod integrate;
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -35,7 +31,7 @@ fn run<const N: usize>(
     for &u in &u {
         states.push(x);
         for _ in 0..10 {
-            x = integrate::step(|x, _| rate(x, u), &x, STEP / 10.0);
+            x = crate::integrate::step(|x, _| rate(x, u), &x, STEP / 10.0);
         }
     }
     let mut table = BTreeMap::from([(input.to_owned(), u)]);

@@ -1,5 +1,4 @@
 //! What is never named: causes that may as well have no effect, and friction that drives.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 

@@ -1,0 +1,22 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod apply;
+mod archives;
+mod audits;
+mod caveats;
+mod effort;
+mod extend;
+mod force_error;
+mod integrate;
+mod library;
+mod library_dynamics;
+mod noise;
+mod places;
+mod records;
+mod refused;
+mod selection;
+mod spin_in_slip;
+mod stop_flag;
+mod study;
+mod verdict_rules;
