@@ -16,7 +16,7 @@ ARRIVAL = {"x_m": 1e-3, "y_m": -1e-3, "phi_deg": 0.5, "spin_deg_s": 0.0, "settle
 GOOD = {
     "succeeded": True,
     "true_plant": {"published_model": {"arrival": {**ARRIVAL, "settled_s": None}}, "extended_model": {"arrival": ARRIVAL}},
-    "causes": [{"name": "yaw_friction", "equation": "w", "parameters": [{"name": "spin_radius_w"}], "in_plant": True}],
+    "causes": [{"name": "yaw_friction", "equation": "w", "parameters": [{"name": "spin_ratio_w"}], "in_plant": True}],
     "gain": [{"horizon_s": 0.1, "times_smaller": 12.0}],
     "diagnosis": {"effort": {"fits": 60}},
     "effort": {"programs": {"extended_model": 600}},

@@ -16,7 +16,7 @@ const TERMS: [&str; 9] = [
     "inertia_theta_acceleration_vy",
     // The printed torque has the other sign; friction of the footprint against the spin, which takes part in the slip.
     "scale_w",
-    "spin_radius_w",
+    "spin_ratio_w",
 ];
 
 /// Whether the plant has what a diagnosis of the published equations names; none where it gives a term no name.

@@ -167,7 +167,7 @@ impl Builder {
     }
 
     /// Friction of a sliding contact against the spin: shared with the slip, which makes it an ellipsoidal limit surface, viscous,
-    /// or Coulomb's. Dry friction is in proportion to the load. Trials of the radii are shares of the length at which slip and spin of the
+    /// or Coulomb's. Dry friction is in proportion to the load. Trials of the radius are shares of the length at which slip and spin of the
     /// data are as fast: a body that is moved slips faster than its parts turn.
     fn yaw_friction(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
         let w = self.state(c.rate);
@@ -178,20 +178,20 @@ impl Builder {
             None => (c.force.clone(), "rad/s^2", ""),
         };
 
-        let l = self.name("spin_radius", &w);
+        let k = self.name("spin_ratio", &w);
         let rho = self.name("spin_gyration", &w);
         let slip = slips.iter().filter_map(|v| self.data.extent(v)).fold(0.0, f64::max);
         let spin = self.data.extent(&w).unwrap_or(1.0);
         let radius = if slip > 0.0 { slip / spin } else { 0.1 };
-        let about =
-            "length of the spin in the slip: friction acts against the slip and this length times the spin together";
-        let trials = log_grid(0.02 * radius, 0.05 * radius, 2);
-        let length = Coefficient { min: 0.0, trials, ..dissipation(l.clone(), "m", about) };
+        // With the radius that counts in the slip as a share of that of the inertia, the data tell how strong the friction is, and hardly at
+        // which radius: two lengths would both be uncertain.
+        let about = "length of the spin in the slip over the radius of gyration of the body: 0 means no friction against the spin";
+        let ratio = Coefficient { min: 0.0, trials: vec![0.7], ..dissipation(k.clone(), "1", about) };
         let about = "radius of gyration of the body about the axis of the spin";
-        let gyration = shape(rho.clone(), log_grid(0.05 * radius, 0.1 * radius, 2), "m", about);
-        let law = format!("-{l}/{rho}^2*unit({l}*{w}, {})", slips.join(", "));
-        self.along(Cause::YawFriction, c.rate, &dry, &law, vec![length, gyration])?;
-        self.share_slip(&w, &l);
+        let gyration = shape(rho.clone(), log_grid(0.03 * radius, 0.1 * radius, 3), "m", about);
+        let law = format!("-{k}/{rho}*unit({k}*{rho}*{w}, {})", slips.join(", "));
+        self.along(Cause::YawFriction, c.rate, &dry, &law, vec![ratio, gyration])?;
+        self.share_slip(&w, &format!("{k}*{rho}"));
 
         let k = self.name("spin_viscous", &w);
         let coefficient = dissipation(k.clone(), c.unit(0, 1), format!("viscous friction against the spin {w}"));

@@ -54,7 +54,7 @@ fn effects(system: &System) -> Vec<Effect> {
 }
 
 fn spin_in_slip(system: &System) -> Effect {
-    let wanted = |e: &Effect| e.cause == Cause::YawFriction && e.coefficients[0].name == "spin_radius_w";
+    let wanted = |e: &Effect| e.cause == Cause::YawFriction && e.coefficients[0].name == "spin_ratio_w";
     effects(system).into_iter().find(wanted).unwrap()
 }
 
@@ -112,7 +112,7 @@ proptest! {
             let k = if anisotropy.is_some() { k } else { 0.0 };
             changes.extend(anisotropy);
             let extended = extended(&system, &changes, |name| match name {
-                "spin_radius_w" => l,
+                "spin_ratio_w" => l / rho,
                 "spin_gyration_w" => rho,
                 "anisotropy_vy" => k,
                 _ => 1.0,
@@ -147,7 +147,8 @@ fn slip_and_spin_are_one_direction_of_friction_wherever_a_fit_begins() {
 #[test]
 fn a_body_that_spins_slides_more_easily() {
     let system = &without_spin()[0];
-    let extended = extended(system, &[spin_in_slip(system)], |name| if name == "spin_radius_w" { 0.06 } else { 0.085 });
+    let extended =
+        extended(system, &[spin_in_slip(system)], |name| if name == "spin_ratio_w" { 0.06 / 0.085 } else { 0.085 });
     let rate_of_vx = |w: f64| rates(&extended, &[("vx", 0.1), ("w", w)])[3];
     assert!((rate_of_vx(0.0) + 0.3 * 9.81).abs() < 1e-6);
     // (0.1, 0.06 · 10): the slip's share of the friction is 0.1/√(0.01 + 0.36).
