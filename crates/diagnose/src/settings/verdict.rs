@@ -160,7 +160,7 @@ settings! {
         /// A named cause beside terms without a name keeps its name if it explains this share of what is there without it: else
         /// what the library lacks is larger, and the cause may be its image.
         uncertain_share: f64 = 0.5,
-        /// The smallest of several causes has no name if it removes less than this share of the model's excess, 7 % of it in
+        /// One of several causes has no name if it removes less than this share of the model's excess, 7 % of it in
         /// amplitude, and a cause of another name explains the data as well: hardly any law is more exact, so that it may be the
         /// image of what another cause's law leaves, and a name would be a guess.
         least_of_several_kinds: f64 = 5e-3,

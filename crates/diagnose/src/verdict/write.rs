@@ -40,7 +40,7 @@ pub(super) fn report(system: &System, search: &mut Search<'_>, findings: &Findin
             .map(|&m| Some(search.without(&findings.chosen, m)?.square() - findings.chosen.square()))
             .collect();
         let least = settings.verdict.naming.least_of_several_kinds * findings.base.alarm.excess();
-        withhold_guess(&mut causes, &gained, least);
+        withhold_guesses(&mut causes, &gained, least);
     }
     let verdict = match findings.ending {
         Ending::Unexplained(_) | Ending::Refuted(_) => Verdict::Unexplained,
@@ -257,19 +257,19 @@ pub(super) fn withhold_uncertain(causes: &mut [NamedCause], uncertain: f64) {
     }
 }
 
-/// Takes its name from the cause that gains least, if that is less than `least` and the data do not tell it from another kind.
-/// Causes come in the order of what they `gained`; a single one keeps its name.
-pub(super) fn withhold_guess(causes: &mut [NamedCause], gained: &[Option<f64>], least: f64) {
+/// Takes their names from those of several causes that gain less than `least` and that the data do not tell from another kind.
+/// Causes come in the order of what they `gained`.
+pub(super) fn withhold_guesses(causes: &mut [NamedCause], gained: &[Option<f64>], least: f64) {
     if gained.len() < 2 {
         return;
     }
-    let known = gained.iter().zip(causes.iter_mut()).filter_map(|(gained, cause)| Some(((*gained)?, cause)));
-    let Some((gained, cause)) = known.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
-    let guessed = cause.name != Cause::UnknownTerm && !cause.confusable_with.is_empty();
-    if guessed && gained < least {
-        cause.flags.push(Flag::OneOfSeveralKinds(cause.name));
-        cause.confusable_with.insert(0, cause.name);
-        cause.name = Cause::UnknownTerm;
+    for (gained, cause) in gained.iter().zip(causes) {
+        let guessed = cause.name != Cause::UnknownTerm && !cause.confusable_with.is_empty();
+        if guessed && gained.is_some_and(|gained| gained < least) {
+            cause.flags.push(Flag::OneOfSeveralKinds(cause.name));
+            cause.confusable_with.insert(0, cause.name);
+            cause.name = Cause::UnknownTerm;
+        }
     }
 }
 

@@ -206,7 +206,7 @@ pub(super) fn flag(flag: &Flag) -> String {
             format!("smaller than what remains unnamed, of which {cause} may be the image")
         }
         Flag::OneOfSeveralKinds(cause) => format!(
-            "the smallest of the causes, and {cause} explains it no better than causes of another kind: its name would be a guess"
+            "small beside the other causes, and {cause} explains it no better than causes of another kind: its name would be a guess"
         ),
         Flag::HalfSample { lines } => {
             let remedy = if *lines {
