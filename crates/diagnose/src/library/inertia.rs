@@ -169,15 +169,26 @@ impl Builder {
             return Ok(());
         }
         let (Some(q), v) = (c.position.map(|q| self.state(q)), self.state(c.rate)) else { return Ok(()) };
-        let minus = self.system.pool.neg(friction.direction);
-        let per_load = match friction.coefficient {
-            Some(p) => {
-                let p = self.system.pool.sym(p);
-                self.system.pool.mul(minus, p)
-            }
-            None => minus,
-        };
-        let direction = [(c.rate, per_load)];
+        // A body has one load: what changes it changes its friction along every axis with the same coefficient.
+        let axes: Vec<(usize, Expr)> = self
+            .structure
+            .translations()
+            .filter_map(|t| {
+                Some((t.rate, t.friction.as_ref().filter(|f| f.coefficient == friction.coefficient)?.direction))
+            })
+            .collect();
+        let mut direction = Vec::with_capacity(axes.len());
+        for (row, along) in axes {
+            let minus = self.system.pool.neg(along);
+            let per_load = match friction.coefficient {
+                Some(p) => {
+                    let p = self.system.pool.sym(p);
+                    self.system.pool.mul(minus, p)
+                }
+                None => minus,
+            };
+            direction.push((row, per_load));
+        }
         let (rate, acceleration) = (&r.rate, &r.acceleration);
         self.inertial(c, &format!("load_{v}_{}_rate", r.name), &direction, &format!("{v}*{rate}"))?;
         self.inertial(c, &format!("load_{q}_{}_acceleration", r.name), &direction, &format!("{q}*{acceleration}"))?;

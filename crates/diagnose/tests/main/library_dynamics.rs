@@ -272,3 +272,23 @@ fn anisotropic_friction_of_a_footprint_is_the_limit_surface_written_by_hand() {
         }
     }
 }
+
+#[test]
+fn a_change_of_the_load_changes_the_friction_along_every_axis() {
+    let system = model("plate_published_disk");
+    let effects = candidates(&system, &[], &LibrarySettings::default()).unwrap();
+    let on_load = |e: &&Effect| e.coefficients[0].name.starts_with("inertia_load_");
+    let found: Vec<&Effect> = effects.iter().filter(on_load).collect();
+    assert!(!found.is_empty());
+    for effect in found {
+        let mut extended = system.clone();
+        effect.apply(&mut extended).unwrap();
+        for seed in 0..20 {
+            let k = (effect.coefficients[0].name.as_str(), 0.25);
+            let [new, old] = [values(&extended, &[k], seed), values(&system, &[], seed)];
+            // Friction against x and y has the same size per load: its directions are signs.
+            let gained = |row: usize| (new[row] - old[row]).abs();
+            assert!(gained(3) > 1e-6 && (gained(3) - gained(4)).abs() < 1e-12, "{}", effect.term);
+        }
+    }
+}
