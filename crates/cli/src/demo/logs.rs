@@ -11,31 +11,31 @@ use bracketry_trials::{PlateMismatch, SyntheticLog, TrialError, multisine, synth
 
 /// Where identification runs start: x, y (m), at rest.
 const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
-/// Experiment 3 moves from here to y = 0 (m), and takes so long (s) at most.
-const START_Y: f64 = -0.03;
-const LONGEST_THIRD: f64 = 5.0;
+/// Experiment 1 is made a second time with so many times its displacement, for so long (s): the body spins as fast as in a move, so that its
+/// spin shows in its friction.
+const WIDER: f64 = 3.0;
+const WIDER_SECONDS: f64 = 4.0;
 
-/// The logs of a multisine, of experiments 1 and 3, and, last, of a second multisine to measure the gain on, made side by side.
+/// The logs of a multisine, of experiment 1 as published and with a wider displacement, and, last, of a second multisine to measure the gain on, made side by side.
 ///
 /// # Errors
 /// [`TrialError`] for settings without meaning, or where no multisine keeps the object on the plate.
 pub fn identification_runs(settings: &StorySettings) -> Result<Vec<SyntheticLog>, TrialError> {
     let (plant, seconds, seed) = (&settings.plant, settings.seconds, settings.seed);
-    let run = |experiment: &Experiment, start: [f64; 6], seconds: f64, noise: u64| {
-        synthetic_log(experiment, start, seconds, &PlateMismatch::None, plant, noise)
+    let run = |experiment: &Experiment, seconds: f64, noise: u64| {
+        synthetic_log(experiment, START, seconds, &PlateMismatch::None, plant, noise)
     };
     // The multisine of the held-out log is drawn apart.
-    let excited = |seed: u64, noise: u64| run(&multisine(START, seconds, plant, seed)?, START, seconds, noise);
-    let third = [START[0], START_Y, 0.0, 0.0, 0.0, 0.0];
-    ["multisine", "experiment 1", "experiment 3", "multisine, held out"]
+    let excited = |seed: u64, noise: u64| run(&multisine(START, seconds, plant, seed)?, seconds, noise);
+    let published = Experiment::orientation();
+    let wider = Experiment { displacement: format!("{WIDER}*{}", published.displacement), ..published.clone() };
+    ["multisine", "experiment 1", "experiment 1, wider", "multisine, held out"]
         .into_par_iter()
         .map(|name| {
             let mut log = match name {
                 "multisine" => excited(seed, noise_of(seed, 1))?,
-                "experiment 1" => run(&Experiment::orientation(), START, seconds, noise_of(seed, 2))?,
-                "experiment 3" => {
-                    run(&Experiment::translation_y(), third, seconds.min(LONGEST_THIRD), noise_of(seed, 3))?
-                }
+                "experiment 1" => run(&published, seconds, noise_of(seed, 2))?,
+                "experiment 1, wider" => run(&wider, seconds.min(WIDER_SECONDS), noise_of(seed, 3))?,
                 _ => excited(!seed, !seed)?,
             };
             name.clone_into(&mut log.log.name);

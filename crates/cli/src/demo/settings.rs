@@ -13,7 +13,7 @@ use bracketry_trials::{RecordingSettings, TrialError};
 pub struct StorySettings {
     /// The plant with contact over the whole footprint, and how it is recorded.
     pub plant: RecordingSettings,
-    /// Length of the multisines and of experiment 1 (s); experiment 3 takes five seconds at most.
+    /// Length of the multisines and of experiment 1 (s); its second run, with a wider displacement, takes four seconds at most.
     pub seconds: f64,
     /// Seed of multisines and noise.
     pub seed: u64,
