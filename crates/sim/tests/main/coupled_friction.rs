@@ -235,3 +235,32 @@ fn nothing_creeps_on_a_tilted_plate_for_a_minute() {
     assert!((end[0] - place[0]).abs() < 1e-15 && (end[1] - place[1]).abs() < 1e-15, "{end:?} {place:?}");
     assert_eq!(&end[2..], &[0.0, 0.0]);
 }
+
+/// A body whose spin takes part in the slip with the length `l`: the friction of the slip falls while it spins.
+#[test]
+fn a_spin_whose_length_in_the_slip_vanishes_leaves_friction_as_it_is_without() {
+    let run = |l: f64| {
+        let text = format!(
+            r#"
+            states = ["x", "y", "vx", "vy", "w"]
+            parameters = {{ mu = 0.3, g = 9.81, l = {l:?}, rho = 0.08 }}
+            [dynamics]
+            x = "vx"
+            y = "vy"
+            vx = "0.5*sin(20*x) - mu*g*unit(vx, vy, l*w)"
+            vy = "-mu*g*unit(vy, vx, l*w)"
+            w = "-mu*g*l/rho^2*unit(l*w, vx, vy)"
+            "#
+        );
+        simulate_text(&text, &Inputs::new(), &[0.0, 0.0, 0.4, -0.3, 2.0], 1.0).trajectory.final_state().to_vec()
+    };
+    let (none, tiny) = (run(0.0), run(1e-7));
+    // Sticks, and spins on.
+    assert_eq!((none[2], none[3], none[4]), (0.0, 0.0, 2.0));
+    for (none, tiny) in none.iter().zip(&tiny) {
+        assert!((none - tiny).abs() < 1e-3, "{none} {tiny}");
+    }
+    // With a length it slides farther, and the spin ends too.
+    let wide = run(0.05);
+    assert!(wide[0] > none[0] + 0.001 && wide[4] == 0.0, "{wide:?} {none:?}");
+}
