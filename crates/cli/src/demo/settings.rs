@@ -24,10 +24,10 @@ pub struct StorySettings {
 }
 
 impl Default for StorySettings {
-    /// The reference disk with friction 0.3; logs of 8 s at 200 Hz with noise of 0.5 mm and 0.3°; up to six causes from windows of
+    /// The reference disk with friction 0.3; logs of 8 s at 200 Hz with noise of 0.5 mm and 0.3°; up to seven causes from windows of
     /// 0.5 s; 0.6 s of rest.
     fn default() -> Self {
-        let mut diagnosis = Settings { max_causes: 6, ..Settings::default() };
+        let mut diagnosis = Settings { max_causes: 7, ..Settings::default() };
         diagnosis.study.window = Some(0.5);
         Self { plant: RecordingSettings::default(), seconds: 8.0, seed: 1_000_003, rest_samples: 30, diagnosis }
     }
