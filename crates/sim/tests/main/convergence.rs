@@ -44,19 +44,21 @@ fn the_order_holds_across_stops_and_breakaways() {
     assert!(found.iter().all(|p| *p > 4.4), "{found:?}");
 }
 
+/// A point with dry friction on a plane.
+const ON_A_PLANE: &str = r#"
+    states = ["x", "y", "vx", "vy"]
+    inputs = ["a", "b"]
+    [dynamics]
+    x = "vx"
+    y = "vy"
+    vx = "a - 2*unit(vx, vy)"
+    vy = "b - 2*unit(vy, vx)"
+"#;
+
 #[test]
 fn coupled_friction_that_slips_converges_with_order_five() {
-    let text = r#"
-        states = ["x", "y", "vx", "vy"]
-        inputs = ["a", "b"]
-        [dynamics]
-        x = "vx"
-        y = "vy"
-        vx = "a - 2*unit(vx, vy)"
-        vy = "b - 2*unit(vy, vx)"
-    "#;
     let inputs = Inputs::new().expression("a", "4*cos(3*t)").expression("b", "3*sin(3*t)");
-    let found = orders(text, &inputs, &[0.0, 0.0, 1.0, 0.5], 3.0, 0.08, 2);
+    let found = orders(ON_A_PLANE, &inputs, &[0.0, 0.0, 1.0, 0.5], 3.0, 0.08, 2);
     assert!(found.iter().all(|p| (p - 5.0).abs() < 0.7), "{found:?}");
 }
 
@@ -64,16 +66,7 @@ fn coupled_friction_that_slips_converges_with_order_five() {
 /// low order of the explicit stages rules: third order, as for every explicit Runge–Kutta method at its limit of stability.
 #[test]
 fn coupled_friction_that_breaks_loose_converges_with_order_three() {
-    let text = r#"
-        states = ["x", "y", "vx", "vy"]
-        inputs = ["a", "b"]
-        [dynamics]
-        x = "vx"
-        y = "vy"
-        vx = "a - 2*unit(vx, vy)"
-        vy = "b - 2*unit(vy, vx)"
-    "#;
     let inputs = Inputs::new().expression("a", "4*sin(t)").expression("b", "2*t^2");
-    let found = orders(text, &inputs, &[0.0; 4], 1.5, 0.08, 3);
+    let found = orders(ON_A_PLANE, &inputs, &[0.0; 4], 1.5, 0.08, 3);
     assert!(found.iter().all(|p| *p > 2.8), "{found:?}");
 }
