@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::common::{ratio, system};
+use crate::common::{elementary, ratio, system};
 use bracketry_lie::{Answer, Evidence, Named, ObservabilityReport, Options, observe};
 use proptest::prelude::*;
 
@@ -206,19 +206,7 @@ proptest! {
             m.split(name);
         }
         // x = T z with T a product of elementary matrices, z' = T⁻¹ f(T z).
-        let mut to: Vec<Vec<i64>> = (0..n).map(|i| (0..n).map(|j| i64::from(i == j)).collect()).collect();
-        let mut back = to.clone();
-        for (i, j, c) in mixing {
-            let (i, j) = (i % n, j % n);
-            if i != j {
-                for row in &mut to {
-                    row[j] += c * row[i];
-                }
-                for k in 0..n {
-                    back[i][k] -= c * back[j][k];
-                }
-            }
-        }
+        let (to, back) = elementary(n, &mixing);
         let sum = |row: &[i64], of: &[String]| {
             let terms = row.iter().zip(of).filter(|t| *t.0 != 0).map(|(c, e)| format!("({c})*({e})"));
             terms.collect::<Vec<_>>().join(" + ")

@@ -1,6 +1,6 @@
 //! Systems whose coefficients are multiples of the primes of the exact tests, or mistaken for small numbers by them.
 
-use crate::common::system;
+use crate::common::{elementary, system};
 use bracketry_lie::{Answer, Evidence, Options, analyze_affine, observe};
 use bracketry_symbolic::{Residue, SECOND_PRIME, THIRD_PRIME};
 use proptest::prelude::*;
@@ -28,19 +28,7 @@ proptest! {
     ) {
         let n = k + rest;
         // x = T z with a product T of elementary matrices; z' = T⁻¹ f(T z).
-        let mut to: Vec<Vec<i64>> = (0..n).map(|i| (0..n).map(|j| i64::from(i == j)).collect()).collect();
-        let mut back = to.clone();
-        for (i, j, c) in mixing {
-            let (i, j) = (i % n, j % n);
-            if i != j {
-                for row in &mut to {
-                    row[j] += c * row[i];
-                }
-                for m in 0..n {
-                    back[i][m] -= c * back[j][m];
-                }
-            }
-        }
+        let (to, back) = elementary(n, &mixing);
         let sum = |row: &[i64], of: &[String]| {
             row.iter().zip(of).map(|(c, e)| format!("({c})*({e})")).collect::<Vec<_>>().join(" + ")
         };

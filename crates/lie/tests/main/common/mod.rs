@@ -14,6 +14,24 @@ pub(crate) fn shown(list: &[impl std::fmt::Display]) -> Vec<String> {
     list.iter().map(ToString::to_string).collect()
 }
 
+/// A product T of elementary matrices, each of which adds a multiple `c` of column i to column j (counted modulo `n`), and its inverse.
+pub(crate) fn elementary(n: usize, mixing: &[(usize, usize, i64)]) -> (Vec<Vec<i64>>, Vec<Vec<i64>>) {
+    let mut to: Vec<Vec<i64>> = (0..n).map(|i| (0..n).map(|j| i64::from(i == j)).collect()).collect();
+    let mut back = to.clone();
+    for &(i, j, c) in mixing {
+        let (i, j) = (i % n, j % n);
+        if i != j {
+            for row in &mut to {
+                row[j] += c * row[i];
+            }
+            for k in 0..n {
+                back[i][k] -= c * back[j][k];
+            }
+        }
+    }
+    (to, back)
+}
+
 /// `x' = rhs` from text; parameters with values; the point by name.
 pub(crate) fn system(
     states: &[&str],
