@@ -57,7 +57,7 @@ pub use analysis::analyze::{Analysis, AnalysisError, analyze};
 pub use analysis::brackets::RequestedBracket;
 pub use analysis::family::{Family, family_dimensions};
 pub use analysis::influence::{Influence, ReachTable, Reached};
-pub use analysis::report::{ModeReport, Report, SmoothedReport};
+pub use analysis::report::{Effort, ModeReport, Report, SmoothedReport};
 pub use answer::Answer;
 pub use bracketry_symbolic::{Function, Named};
 pub use condition::Condition;

@@ -70,7 +70,7 @@ pub use closed_loop::{
     SolveTimes, SourceCounts, run_closed_loop,
 };
 pub use controller::{
-    Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, Step, StepLimits, StepStatus,
+    Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, SolverEffort, Step, StepLimits, StepStatus,
     SumUpRounding, Timings,
 };
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};

@@ -23,6 +23,9 @@ use serde_json::{Map, Value, json};
 const TIMES: [&str; 5] = ["seconds", "wall_seconds", "solve_ms", "times_real_time", "late"];
 /// Largest relative difference of two numbers.
 const SAME: f64 = 1e-6;
+/// How much more than stored anything under the key `effort` may be, where it is not so little that a single step makes the difference.
+const BUDGET: f64 = 1.1;
+const FEW: f64 = 3.0;
 
 /// What a command gives: its exit code, with its JSON, or with its message where it refuses.
 fn given(arguments: &[&str], within: &Path) -> Value {
@@ -61,7 +64,10 @@ fn differences(place: &str, stored: &Value, given: &Value, out: &mut Vec<String>
                 out.push(format!("{place}: keys {:?}, now {:?}", keys(a), keys(b)));
             }
             for (key, entry) in a {
-                if let Some(now) = b.get(key) {
+                let Some(now) = b.get(key) else { continue };
+                if key == "effort" {
+                    over_budget(&format!("{place}.{key}"), entry, now, out);
+                } else {
                     differences(&format!("{place}.{key}"), entry, now, out);
                 }
             }
@@ -79,6 +85,19 @@ fn differences(place: &str, stored: &Value, given: &Value, out: &mut Vec<String>
         }
         _ if stored != given => out.push(format!("{place}: {stored}, now {given}")),
         _ => {}
+    }
+}
+
+/// What costs more than a tenth more than is stored. Less is no difference: it is for the next writing.
+fn over_budget(place: &str, stored: &Value, now: &Value, out: &mut Vec<String>) {
+    let (Some(stored), Some(now)) = (stored.as_object(), now.as_object()) else {
+        return out.push(format!("{place}: {stored}, now {now}"));
+    };
+    for (key, now) in now {
+        let budget = BUDGET * stored.get(key).and_then(Value::as_f64).unwrap_or(0.0) + FEW;
+        if now.as_f64().is_none_or(|now| now > budget) {
+            out.push(format!("{place}.{key}: {now}, budget {budget:.0}"));
+        }
     }
 }
 

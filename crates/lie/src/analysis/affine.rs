@@ -11,7 +11,7 @@ use crate::algebra::integrals::search::Among;
 use crate::algebra::word::generators;
 use crate::analysis::brackets;
 use crate::analysis::influence::{ReachTable, Reached, influence};
-use crate::analysis::report::{ModeReport, Report, SmoothedReport};
+use crate::analysis::report::{Effort, ModeReport, Report, SmoothedReport};
 use crate::answer::Answer;
 use crate::budget::{check_analysis, release};
 use crate::controllability::accessibility::Reach;
@@ -98,6 +98,8 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
     let algebra = algebra.map(|room| room.and_then(|()| fields.lie_algebra(pool, &options.limits, &mut evidence)));
     let (switched, rows) = together.unzip();
     let reach = reach_tables(&mut system.pool, &modes[0], &reach[0], &autonomous[0], &mode_reports, rows.flatten());
+    let of_smoothed = smoothed.as_ref().map_or(0, |s| s.system.pool.made() - s.before);
+    let expressions = system.pool.made() - first + of_smoothed;
     // Whatever is unknown now, it is not for a reason of its own.
     if system.pool.stop_flag().is_raised() {
         return Err(Undecided::Stopped.into());
@@ -118,6 +120,7 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
         brackets,
         reach,
         certificate: evidence,
+        effort: Effort { expressions },
         seconds: start.elapsed().as_secs_f64(),
     })
 }
@@ -239,16 +242,19 @@ struct Smoothed {
     system: System,
     fields: VectorFields,
     reach: Reach,
+    /// How many nodes its pool had made when it was taken from that of the model.
+    before: usize,
 }
 
 impl Smoothed {
     /// `first` is how many nodes the pool had made when the analysis began.
     fn of(system: &mut System, options: &Options, first: usize, evidence: &mut Evidence) -> Result<Self, Error> {
         let width = system.pool.rational(options.epsilon.clone());
+        let before = system.pool.made();
         let mut system = system.smoothed(width);
         let fields = mode_fields(&mut system)?.remove(0).fields;
         let reach = Reach::of(&mut system.pool, &fields, first, evidence);
-        Ok(Smoothed { system, fields, reach })
+        Ok(Smoothed { system, fields, reach, before })
     }
 
     fn report(&self, options: &Options) -> SmoothedReport {

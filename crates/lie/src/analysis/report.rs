@@ -108,8 +108,17 @@ pub struct Report {
     pub reach: Vec<ReachTable>,
     /// What the exact decisions rest on.
     pub certificate: Evidence,
+    /// What it has cost, the same on every machine unless a time limit ends it.
+    pub effort: Effort,
     /// Wall-clock time of the analysis.
     pub seconds: f64,
+}
+
+/// What an analysis of an affine system has cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Effort {
+    /// Distinct expressions that were made: brackets, their derivatives, and what exact tests form of them.
+    pub expressions: usize,
 }
 
 impl Report {

@@ -15,5 +15,5 @@ pub(crate) use interface::forward_to;
 pub use interface::{Controller, Figures};
 pub(crate) use remembering::Remembering;
 pub(crate) use rounded::Rounded;
-pub use step::{FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings};
+pub use step::{FallbackReason, InputSource, SolverEffort, Step, StepLimits, StepStatus, Timings};
 pub use sum_up_rounding::SumUpRounding;

@@ -1,6 +1,9 @@
 //! What one sample of a controller gives.
 
 use crate::qp::QpStatus;
+use serde::Serialize;
+use std::iter::Sum;
+use std::ops::AddAssign;
 
 /// Why the failure policy decided on the input in place of a new solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,6 +132,31 @@ impl Timings {
     }
 }
 
+/// What has been solved, in counts that hardly depend on the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SolverEffort {
+    /// Quadratic programs.
+    pub programs: usize,
+    /// Steps of interior-point methods, in the programs and on the nonlinear equations.
+    pub interior_point_steps: usize,
+}
+
+impl AddAssign for SolverEffort {
+    fn add_assign(&mut self, more: Self) {
+        self.programs += more.programs;
+        self.interior_point_steps += more.interior_point_steps;
+    }
+}
+
+impl Sum for SolverEffort {
+    fn sum<I: Iterator<Item = Self>>(efforts: I) -> Self {
+        efforts.fold(Self::default(), |mut sum, effort| {
+            sum += effort;
+            sum
+        })
+    }
+}
+
 /// One sample's input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
@@ -140,13 +168,16 @@ pub struct Step {
     pub source: InputSource,
     /// Times taken.
     pub timings: Timings,
+    /// What was solved for it, preparation included.
+    pub effort: SolverEffort,
 }
 
 impl Step {
     /// Takes over another step of as many inputs, without allocating.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.u.clone_from(&other.u);
-        (self.status, self.source, self.timings) = (other.status, other.source, other.timings);
+        (self.status, self.source) = (other.status, other.source);
+        (self.timings, self.effort) = (other.timings, other.effort);
     }
 
     /// What stands before the first sample: nothing has been decided.
@@ -156,6 +187,7 @@ impl Step {
             status: StepStatus::PlayedOut,
             source: InputSource::Rest,
             timings: Timings::default(),
+            effort: SolverEffort::default(),
         }
     }
 }

@@ -4,7 +4,8 @@ use super::flow::StickSlipFlow;
 use super::roll_out::ExactProblem;
 use super::switched_field::SwitchedField;
 use crate::controller::{
-    Controller, FailurePolicy, Failures, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings, rest_input,
+    Controller, FailurePolicy, Failures, FallbackReason, InputSource, SolverEffort, Step, StepLimits, StepStatus,
+    Timings, rest_input,
 };
 use crate::dynamics::{Dynamics, SymbolicDynamics};
 use crate::error::{MpcError, check_flag, check_length, check_value};
@@ -107,6 +108,8 @@ pub struct StickSlipController {
     limits: StepLimits,
     lambda: f64,
     started: bool,
+    /// What the solutions with smoothed friction took, for the next sample's effort.
+    smoothed: SolverEffort,
     dynamics: SymbolicDynamics,
     smooth: Option<Transcription>,
     smooth_lin: Linearization,
@@ -154,6 +157,7 @@ impl StickSlipController {
             limits: StepLimits::default(),
             lambda: 0.0,
             started: false,
+            smoothed: SolverEffort::default(),
             problem: ExactProblem::new(ocp, flow, settings.qp.hard_weight),
             dynamics,
             settings,
@@ -227,12 +231,19 @@ impl StickSlipController {
     }
 
     /// The solution with friction smoothed to this width.
-    fn solve_smoothed(&self, width: f64, guess: &Trajectory) -> Result<Trajectory, MpcError> {
+    fn solve_smoothed(&mut self, width: f64, guess: &Trajectory) -> Result<Trajectory, MpcError> {
         let mut dynamics = self.dynamics.clone();
         dynamics.set_smoothing(width);
-        let mut sqp = Sqp::new(Box::new(dynamics), self.problem.ocp.clone(), self.smoothed_settings())?;
+        let sqp = Sqp::new(Box::new(dynamics), self.problem.ocp.clone(), self.smoothed_settings())?;
+        self.solve_with(sqp, guess)
+    }
+
+    /// The solution of another solver, from where the horizon starts now.
+    fn solve_with(&mut self, mut sqp: Sqp, guess: &Trajectory) -> Result<Trajectory, MpcError> {
         sqp.set_start(self.problem.k0);
-        Ok(sqp.solve(guess.x(0), guess)?.trajectory)
+        let solution = sqp.solve(guess.x(0), guess)?;
+        self.smoothed += solution.effort();
+        Ok(solution.trajectory)
     }
 
     /// The changes of mode along the plan, in order of time; empty where the flow fails.
@@ -342,7 +353,7 @@ impl StickSlipController {
         // Whole steps find good solutions through states that a merit function forbids; the guarded iteration converges where
         // they do not.
         let mut solved = self.widest.take();
-        for &w in &self.settings.smoothing {
+        for w in self.settings.smoothing.clone() {
             let last = match solved.take() {
                 Some(first) => first,
                 None => self.solve_smoothed(w, candidates.last().unwrap_or(&guess))?,
@@ -354,9 +365,8 @@ impl StickSlipController {
             filter_iterations: 0,
             ..self.smoothed_settings()
         };
-        let mut sqp = Sqp::new(Box::new(self.dynamics.clone()), self.problem.ocp.clone(), guarded)?;
-        sqp.set_start(self.problem.k0);
-        candidates.push(sqp.solve(guess.x(0), &guess)?.trajectory);
+        let sqp = Sqp::new(Box::new(self.dynamics.clone()), self.problem.ocp.clone(), guarded)?;
+        candidates.push(self.solve_with(sqp, &guess)?);
         for mut candidate in candidates {
             let value = self.problem.roll_out(&mut candidate);
             if value < *cost {
@@ -432,6 +442,8 @@ impl Controller for StickSlipController {
         };
         let rest = self.start.elapsed().as_secs_f64() - self.qp_seconds;
         self.step.timings = Timings { linearize: 0.0, qp: self.qp_seconds, rest };
+        self.step.effort = std::mem::take(&mut self.smoothed);
+        self.step.effort += self.qp.take_effort();
         Ok(&self.step)
     }
 

@@ -7,6 +7,7 @@ use super::notes::Note;
 use super::rounding::RoundingReport;
 use super::scenarios::ScenarioReport;
 use crate::closed_loop::{Counts, LateSamples, SolveTimes};
+use crate::controller::SolverEffort;
 use crate::ocp::BoundSide;
 use crate::sqp::{Hessian, Solution};
 use bracketry_symbolic::Named;
@@ -97,6 +98,8 @@ pub struct ClosedLoopReport {
     pub steps: usize,
     /// Outcomes of the samples.
     pub status: Counts,
+    /// What was solved for the plan and for all samples; not what was solved to choose the method or among starts, nor for free values.
+    pub effort: SolverEffort,
     /// Times per sample.
     pub solve_ms: SolveTimes,
     /// Samples that took longer than the sampling period.

@@ -114,6 +114,7 @@ impl ControlProblem {
             miss: self.ocp.targets.iter().map(|t| (names[t.state].clone(), end[t.state] - t.value)).collect(),
             steps: run.steps.len(),
             status: run.counts,
+            effort: plan.iter().map(Solution::effort).chain(run.steps.iter().map(|s| s.effort)).sum(),
             solve_ms: run.times,
             late: self.late_samples(&run),
             period_ms: 1e3 * self.ocp.dt,

@@ -21,6 +21,7 @@ pub use backend::{ProgramForm, QpBackend, QpSettings, QpStatus, StageSolution};
 pub(crate) use nonlinear::{NonlinearProgram, NonlinearRow, NonlinearSlack};
 pub use program::StageProgram;
 
+use crate::controller::SolverEffort;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
@@ -52,6 +53,7 @@ pub(crate) struct Qp {
     stage: StageSolution,
     proximal: f64,
     pub(crate) solution: QpSolution,
+    effort: SolverEffort,
 }
 
 impl Qp {
@@ -86,7 +88,12 @@ impl Qp {
             multipliers: vec![0.0; steps * n],
             iterations: 0,
         };
-        Self { settings, assembly, backend, stage, proximal: 0.0, solution }
+        Self { settings, assembly, backend, stage, proximal: 0.0, solution, effort: SolverEffort::default() }
+    }
+
+    /// What has been solved since the last call.
+    pub(crate) fn take_effort(&mut self) -> SolverEffort {
+        std::mem::take(&mut self.effort)
     }
 
     /// Number of intervals.
@@ -182,6 +189,7 @@ impl Qp {
         let (n, m) = (program.states, program.inputs);
         let (z, s) = (&self.stage.z, &mut self.solution);
         s.iterations = self.stage.iterations;
+        self.effort += SolverEffort { programs: 1, interior_point_steps: s.iterations as usize };
         for k in 0..program.steps {
             let (x, u) = (program.state(k + 1, 0), program.input(k, 0));
             s.du[k * m..(k + 1) * m].copy_from_slice(&z[u..u + m]);

@@ -11,7 +11,7 @@ mod tangential_predictor;
 pub use settings::{Horizon, Preparation, RtiSettings};
 
 use crate::controller::{
-    Controller, Failures, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings, rest_input,
+    Controller, Failures, FallbackReason, InputSource, SolverEffort, Step, StepLimits, StepStatus, Timings, rest_input,
 };
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
@@ -245,6 +245,7 @@ impl Rti {
                 self.failures.play_out(&self.trajectory, &self.problem.ocp.input_bounds, &mut self.step.u);
             self.step.status = StepStatus::PlayedOut;
             self.step.timings = Timings::default();
+            self.step.effort = SolverEffort::default();
             return Ok(&self.step);
         }
         self.prepare()?;
@@ -283,6 +284,7 @@ impl Rti {
         }
         timings.rest = start.elapsed().as_secs_f64() - timings.qp;
         self.step.timings = timings;
+        self.step.effort = self.qp.take_effort();
         Ok(&self.step)
     }
 

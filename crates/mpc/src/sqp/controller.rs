@@ -3,7 +3,8 @@
 use super::solution::SolveStatus;
 use super::solver::Sqp;
 use crate::controller::{
-    Controller, FailurePolicy, Failures, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings, rest_input,
+    Controller, FailurePolicy, Failures, FallbackReason, InputSource, SolverEffort, Step, StepLimits, StepStatus,
+    Timings, rest_input,
 };
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
@@ -50,7 +51,7 @@ impl Controller for SqpController {
         self.sqp.set_start(self.k);
         self.failures.believe(x);
         let limits = std::mem::take(&mut self.limits);
-        let mut seconds = 0.0;
+        let (mut seconds, mut effort) = (0.0, SolverEffort::default());
         let status = if let Some(reason) = FallbackReason::of_measurement(x) {
             StepStatus::Fallback(reason)
         } else {
@@ -80,6 +81,8 @@ impl Controller for SqpController {
             if !matches!(status, StepStatus::Fallback(_)) {
                 std::mem::swap(&mut self.trajectory, &mut solution.trajectory);
             }
+            effort = self.sqp.take_effort();
+            effort.interior_point_steps += solution.interior_point_steps;
             self.sqp.recycle(solution);
             status
         };
@@ -92,6 +95,7 @@ impl Controller for SqpController {
             InputSource::Program
         };
         self.step.timings = Timings { qp: seconds, ..Timings::default() };
+        self.step.effort = effort;
         Ok(&self.step)
     }
     fn shift(&mut self) {

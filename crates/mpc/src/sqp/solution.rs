@@ -1,6 +1,7 @@
 //! A solution, how it ended, and its log.
 
 use super::settings::Hessian;
+use crate::controller::SolverEffort;
 use crate::qp::QpStatus;
 use crate::trajectory::Trajectory;
 use std::fmt;
@@ -73,6 +74,14 @@ pub struct Solution {
     pub iterations: Vec<Iteration>,
     /// Time taken, s.
     pub seconds: f64,
+}
+
+impl Solution {
+    /// What was solved for it.
+    pub fn effort(&self) -> SolverEffort {
+        let in_programs: usize = self.iterations.iter().map(|i| i.qp_iterations as usize).sum();
+        SolverEffort { programs: self.iterations.len(), interior_point_steps: self.interior_point_steps + in_programs }
+    }
 }
 
 impl fmt::Display for SolveStatus {

@@ -4,7 +4,7 @@ use super::filter::WIDEST;
 use super::settings::{Hessian, SqpSettings};
 use super::solution::{Iteration, Solution, SolveStatus};
 use super::spare::Spare;
-use crate::controller::StepLimits;
+use crate::controller::{SolverEffort, StepLimits};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_flag, check_length, check_value};
 use crate::ocp::Ocp;
@@ -132,6 +132,15 @@ impl Sqp {
     pub(crate) fn limit_programs(&mut self, limits: StepLimits) -> Result<(), MpcError> {
         let qp = &self.settings.qp;
         self.qp.set_limits(qp.max_iterations.min(limits.iterations), qp.time_limit.min(limits.time))
+    }
+
+    /// What has been solved since the last call, but for the interior-point steps that solutions state.
+    pub(crate) fn take_effort(&mut self) -> SolverEffort {
+        let mut effort = self.qp.take_effort();
+        if let Other::Made(_, qp) = &mut self.other {
+            effort += qp.take_effort();
+        }
+        effort
     }
 
     /// Gives the live parameters of the dynamics these values at every grid point, for instance those of an estimator.

@@ -3,7 +3,7 @@
 use super::breakdown::stop;
 use super::table::{Event, events};
 use super::text::notes;
-use bracketry_sim::{SampledScenario, ScenarioRun};
+use bracketry_sim::{SampledScenario, ScenarioRun, Statistics};
 use bracketry_system::System;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -19,6 +19,7 @@ struct Simulation<'a> {
     stopped: Option<String>,
     events: Vec<Event>,
     steps: usize,
+    effort: Statistics,
     ignored_columns: &'a [String],
     inputs_at_zero: &'a [String],
     impulses_left_out: Vec<String>,
@@ -38,6 +39,7 @@ pub fn json<'a>(system: &'a System, given: &'a SampledScenario, run: &ScenarioRu
         stopped: stop(system, run),
         events: events(run),
         steps: run.simulation.statistics.steps,
+        effort: run.simulation.statistics,
         ignored_columns: &given.ignored,
         inputs_at_zero: &given.held_at_zero,
         impulses_left_out: run.impulses_left_out.iter().map(|(n, order)| format!("der({n},{order})")).collect(),
