@@ -16,7 +16,7 @@ ARRIVAL = {"x_m": 1e-3, "y_m": -1e-3, "phi_deg": 0.5, "spin_deg_s": 0.0, "settle
 GOOD = {
     "succeeded": True,
     "true_plant": {"published_model": {"arrival": {**ARRIVAL, "settled_s": None}}, "extended_model": {"arrival": ARRIVAL}},
-    "causes": [{"name": "yaw_friction", "equation": "w", "parameters": [{"name": "spin_ratio_w"}], "in_plant": True}],
+    "causes": [{"name": "yaw_friction", "equation": "w", "parameters": [{"name": "spin_ratio_w", "value": 0.75, "in_plant": 0.71}], "in_plant": True}],
     "gain": [{"horizon_s": 0.1, "times_smaller": 12.0}],
     "diagnosis": {"effort": {"fits": 60}},
     "effort": {"programs": {"extended_model": 600}},
@@ -43,6 +43,9 @@ class MainJob(unittest.TestCase):
 
     def test_a_cause_that_the_plant_lacks_fails(self):
         self.assertIn("lacks yaw_friction", self.broken(lambda r: r["causes"][0].update(in_plant=False)))
+
+    def test_a_value_far_from_that_of_the_plant_fails(self):
+        self.assertIn("spin_ratio_w = 0.4", self.broken(lambda r: r["causes"][0]["parameters"][0].update(value=0.4)))
 
     def test_a_small_gain_fails(self):
         self.assertIn("gain 4.9", self.broken(lambda r: r["gain"][0].update(times_smaller=4.9)))

@@ -106,18 +106,41 @@ def chapters(result: dict) -> list[str]:
     lines += ["", "Causes that the diagnosis names (chapter 4):", ""]
 
     def values(cause: dict) -> str:
-        of = [f"`{p['name']}` {p['value']:.4g}" + ("" if not p["interval"] or p["interval"][0] == p["interval"][1] else
+        of = [f"`{p['name']}` {p['value']:.4g}" + (" (whole)" if not p["interval"] or p["interval"][0] == p["interval"][1] else
               f" ({p['interval'][0]:.3g} to {p['interval'][1]:.3g})") for p in cause["parameters"]]
         return ", ".join(of)
 
+    def truth(cause: dict) -> str:
+        known = [f"{p['in_plant']:.4g}" for p in cause["parameters"] if p["in_plant"] is not None]
+        return {True: ", ".join(known), False: "lacks it", None: f"unnamed: {', '.join(known) or '–'}"}[cause["in_plant"]]
+
     lines += table(["cause", "in", "value (95 % interval)", "in the plant"], [
-        [f"`{c['name']}`", c["equation"], values(c), {True: "yes", False: "no", None: "unnamed"}[c["in_plant"]]] for c in result["causes"]])
+        [f"`{c['name']}`", c["equation"], values(c), truth(c)] for c in result["causes"]])
     gain = result["diagnosis"]["gain"]
     lines += ["", "Prediction error on the held-out multisine, relative to the standard deviation of the measurement:", ""]
     lines += table(["horizon", "published model", "refitted", "extended", "published over extended"], [
         [f"{h:g} s", f"{100 * g:.1f} %", f"{100 * b:.1f} %", f"{100 * a:.1f} %", f"{g / a:.1f}"]
         for h, g, b, a in zip(gain["horizons_s"], gain["as_given"], gain["before"], gain["after"])])
     return lines
+
+
+def values_of_all(results: list[dict]) -> list[str]:
+    """The values of each parameter that the diagnosis adds, beside that of the plant."""
+    found = {}
+    for result in results:
+        for parameter in (p for c in result["causes"] for p in c["parameters"]):
+            found.setdefault(parameter["name"], []).append(parameter)
+
+    def of(name: str, all_of_it: list[dict]) -> list[str]:
+        true, values = all_of_it[0]["in_plant"], [p["value"] for p in all_of_it]
+        fitted = [p["interval"] for p in all_of_it if p["interval"] and p["interval"][0] < p["interval"][1]]
+        inside = "whole, not fitted" if not fitted else "–" if true is None else (
+            f"{sum(low <= true <= high for low, high in fitted)} of {len(fitted)}")
+        ends = f"{statistics.median(values):.4g} ({min(values):.4g} to {max(values):.4g})"
+        return [f"`{name}`", str(len(values)), "–" if true is None else f"{true:.4g}", ends, inside]
+
+    header = ["parameter", "runs", "in the plant", "median (least to most)", "95 % intervals that contain the plant's value"]
+    return table(header, [of(*item) for item in found.items()])
 
 
 def confirm(command: str) -> int:
@@ -175,7 +198,7 @@ def main() -> int:
         stamp("python3 benches/main_job/seeds.py --record", RECORDS["docs/records/main_job.md"][0]), "",
         f"{good} of {len(results)} runs as promised, {arguments.jobs} at a time. Processor time {median_and_most('processor_s')} s, elapsed "
         f"{median_and_most('elapsed_s')} s, peak {median_and_most('peak_mb')} MB at the median.", "", *lines, "",
-        "### With the default seed", "", *chapters(results[None]),
+        "### Values over all runs", "", *values_of_all(list(results.values())), "", "### With the default seed", "", *chapters(results[None]),
     ])
     print(text)
     if arguments.record:

@@ -16,6 +16,9 @@ const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
 const WIDER: f64 = 3.0;
 const WIDER_SECONDS: f64 = 4.0;
 
+/// A run that is still to be made.
+type Recorded<'a> = &'a (dyn Fn() -> Result<SyntheticLog, TrialError> + Sync);
+
 /// The logs of a multisine, of experiment 1 as published and with a wider displacement, and, last, of a second multisine to measure the gain on, made side by side.
 ///
 /// # Errors
@@ -29,15 +32,15 @@ pub fn identification_runs(settings: &StorySettings) -> Result<Vec<SyntheticLog>
     let excited = |seed: u64, noise: u64| run(&multisine(START, seconds, plant, seed)?, seconds, noise);
     let published = Experiment::orientation();
     let wider = Experiment { displacement: format!("{WIDER}*{}", published.displacement), ..published.clone() };
-    ["multisine", "experiment 1", "experiment 1, wider", "multisine, held out"]
-        .into_par_iter()
-        .map(|name| {
-            let mut log = match name {
-                "multisine" => excited(seed, noise_of(seed, 1))?,
-                "experiment 1" => run(&published, seconds, noise_of(seed, 2))?,
-                "experiment 1, wider" => run(&wider, seconds.min(WIDER_SECONDS), noise_of(seed, 3))?,
-                _ => excited(!seed, !seed)?,
-            };
+    let runs: [(&str, Recorded<'_>); 4] = [
+        ("multisine", &|| excited(seed, noise_of(seed, 1))),
+        ("experiment 1", &|| run(&published, seconds, noise_of(seed, 2))),
+        ("experiment 1, wider", &|| run(&wider, seconds.min(WIDER_SECONDS), noise_of(seed, 3))),
+        ("multisine, held out", &|| excited(!seed, !seed)),
+    ];
+    runs.into_par_iter()
+        .map(|(name, record)| {
+            let mut log = record()?;
             name.clone_into(&mut log.log.name);
             Ok(log)
         })

@@ -8,10 +8,13 @@ use bracketry_trials::SyntheticLog;
 
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;
+use super::settings::StorySettings;
 
 /// The story.
 #[derive(Clone)]
 pub struct Story {
+    /// How it is told: the plant, the seed.
+    pub settings: StorySettings,
     /// The published model.
     pub published: System,
     /// Chapter 1: what the inputs of the published model reach.

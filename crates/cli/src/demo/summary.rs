@@ -1,9 +1,10 @@
 //! The story's figures for other programs.
 
+use bracketry::plate::{Arrival, target_of};
 use serde_json::{Value, json};
 
 use super::story::Story;
-use super::truth::is_in_plant;
+use super::truth::{is_in_plant, value_in_plant};
 
 impl Story {
     /// The figures of all chapters as one JSON object. Lengths in m, angles in deg, times in s unless a name says otherwise.
@@ -14,7 +15,12 @@ impl Story {
         let [linearize, qp, rest] = own.step_split();
         let plate = &own.together.recording.trajectory.final_state()[6..];
         let [x, y, phi] = own.two_step_errors();
+        let object = &self.settings.plant.object;
+        let target = target_of(&own.problem);
         json!({
+            "seed": self.settings.seed,
+            "target": {"x_m": target[0], "y_m": target[1], "phi_deg": target[2].to_degrees(), "within": {"m": Arrival::TOLERANCE_M,
+                "deg": Arrival::TOLERANCE_DEG, "deg_s": Arrival::TOLERANCE_DEG}},
             "target_error": {"x_m": arrival.x_m, "y_m": arrival.y_m, "phi_deg": arrival.phi_deg},
             "spin_deg_s": arrival.spin_deg_s,
             "time_s": arrival.settled_s,
@@ -40,8 +46,8 @@ impl Story {
             "succeeded": self.succeeded(),
             "causes": self.diagnosis.report.causes.iter().map(|c| json!({"name": c.name, "equation": c.equation,
                 "parameters": c.parameters.iter().map(|(name, v)| json!({"name": name, "value": v.value,
-                    "interval": v.interval})).collect::<Vec<_>>(),
-                "in_plant": is_in_plant(c)})).collect::<Vec<_>>(),
+                    "interval": v.interval, "in_plant": value_in_plant(name, object)})).collect::<Vec<_>>(),
+                "in_plant": is_in_plant(c, object)})).collect::<Vec<_>>(),
             "diagnosis": self.diagnosis,
             "gain": self.gain().into_iter().map(|(horizon_s, times_smaller)| json!({"horizon_s": horizon_s,
                 "times_smaller": times_smaller})).collect::<Vec<_>>(),

@@ -69,6 +69,7 @@ impl Story {
             watch(StoryEvent::Found(Finding::Extended(moved)));
         }
         let mut story = Self {
+            settings: settings.clone(),
             published: model,
             analysis,
             on_equations,

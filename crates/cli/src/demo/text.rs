@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
+use bracketry::diagnose::{Cause, NamedCause};
 use bracketry::plate::AreaOutcome;
 use bracketry_trials::SyntheticLog;
 
@@ -226,13 +227,20 @@ impl Story {
         } else {
             "The controller of the published model reaches its target on its own equations and misses it on the true plant."
         };
-        let causes: Vec<String> =
-            self.diagnosis.report.causes.iter().map(|c| format!("{} in {}", c.name, c.equation)).collect();
+        let (unnamed, named): (Vec<&NamedCause>, Vec<_>) =
+            self.diagnosis.report.causes.iter().partition(|c| c.name == Cause::UnknownTerm);
+        let mut causes: Vec<String> = named.iter().map(|c| format!("{} in {}", c.name, c.equation)).collect();
+        if causes.is_empty() {
+            causes.push("no cause".to_owned());
+        }
+        let of: Vec<&str> = unnamed.iter().map(|c| c.equation.as_str()).collect();
+        let unnamed =
+            if of.is_empty() { String::new() } else { format!(" and adds a term without a name in {}", of.join(", ")) };
         let second = match &self.extended {
             None => "The diagnosis of the logs names no cause.".to_owned(),
             Some(moved) => {
                 let reached = if moved.reached() { "reaches it" } else { "misses it as well" };
-                format!("The diagnosis names {}; the model extended by them {reached}.", causes.join(", "))
+                format!("The diagnosis names {}{unnamed}; the model extended by them {reached}.", causes.join(", "))
             }
         };
         format!("{first} {second}")

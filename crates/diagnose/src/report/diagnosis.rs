@@ -236,8 +236,11 @@ impl fmt::Display for Verdict {
 }
 
 impl fmt::Display for Value {
-    /// `0.520 ± 0.010 kg/s (95 %: 0.50 … 0.54)`.
+    /// `0.520 ± 0.010 kg/s (95 %: 0.50 … 0.54)`; `1 (as a whole, not fitted)` of a term that is there or not.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.std == 0.0 && self.interval == Some([self.value; 2]) {
+            return write!(f, "{} (as a whole, not fitted)", self.value);
+        }
         write!(f, "{} ± {}", measured(self.value, self.std), significant(self.std, 2))?;
         if !self.unit.is_empty() {
             write!(f, " {}", self.unit)?;

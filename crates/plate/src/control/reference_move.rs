@@ -9,10 +9,7 @@ use super::area_loop_plant::RESOLUTION;
 use super::oscillation::Oscillation;
 use crate::{PlateError, Shape, published};
 
-/// Tolerances of arrival: 2 mm, 2°, 2 °/s for the object; the plate within 1 mm and 0.1° of its middle and slower than
-/// 1 mm/s and 0.1 °/s.
-const NEAR: f64 = 2e-3;
-const NEAR_DEG: f64 = 2.0;
+/// The plate rests within 1 mm and 0.1° of its middle and slower than 1 mm/s and 0.1 °/s.
 const PLATE_REST: f64 = 1e-3;
 const PLATE_REST_DEG: f64 = 0.1;
 
@@ -99,6 +96,11 @@ pub fn target_of(problem: &ControlProblem) -> [f64; 3] {
 }
 
 impl Arrival {
+    /// How near the object is to its target where it has arrived: m along x and y.
+    pub const TOLERANCE_M: f64 = 2e-3;
+    /// The same in yaw, deg, and in spin, deg/s.
+    pub const TOLERANCE_DEG: f64 = 2.0;
+
     /// Measures the recorded move of a plant against the problem's targets and bounds.
     pub fn of(problem: &ControlProblem, trajectory: &Trajectory) -> Arrival {
         let count = (trajectory.end() / RESOLUTION).round() as usize;
@@ -120,8 +122,8 @@ impl Arrival {
             let x = x.as_ref();
             count = k;
             let near = |i: usize, tolerance: f64| (x[i] - target[i]).abs() <= tolerance;
-            let object =
-                near(0, NEAR) && near(1, NEAR) && near(2, NEAR_DEG.to_radians()) && x[5].abs() <= NEAR_DEG.to_radians();
+            let (distance, angle) = (Self::TOLERANCE_M, Self::TOLERANCE_DEG.to_radians());
+            let object = near(0, distance) && near(1, distance) && near(2, angle) && x[5].abs() <= angle;
             let plate = [x[6], x[7]].iter().all(|v| v.abs() <= PLATE_REST)
                 && [x[8], x[9]].iter().all(|v| v.abs() <= PLATE_REST_DEG.to_radians());
             if !(object && plate) {
