@@ -14,10 +14,9 @@
 use anyhow::Context;
 use bracketry::diagnose::{Record, RecordSettings, Settings, diagnose};
 use bracketry::mpc::{ControlProblem, ControlRun, Plant};
-use bracketry::plate::target_of;
+use bracketry::plate::{PlateMismatch, RecordingSettings, multisine, synthetic_log, target_of};
 use bracketry::plot::{Dash, Drawing, Panel, Role, Series, TimeSeries};
 use bracketry::system::System;
-use bracketry_trials::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
 use clap::Parser;
 use std::path::PathBuf;
 

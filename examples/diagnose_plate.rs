@@ -18,10 +18,12 @@ use bracketry::report::diagnosis_text;
 use bracketry_diagnose::{
     Cause, Record, RecordSettings, Report, Settings, diagnose, read_record, reference_candidates,
 };
-use bracketry_plate::{Experiment, Object, PlateLog, Shape};
+use bracketry_plate::{
+    Experiment, Object, PlateLog, PlateMismatch, RecordingError, RecordingSettings, Shape, multisine, synthetic_log,
+};
 use bracketry_sim::Hold;
 use bracketry_system::System;
-use bracketry_trials::{PlateMismatch, RecordingSettings, Score, TrialError, multisine, synthetic_log};
+use bracketry_trials::Score;
 use clap::Parser;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -117,7 +119,7 @@ fn logs(
     settings: &RecordingSettings,
     seed: u64,
     options: &Options,
-) -> Result<Vec<PlateLog>, TrialError> {
+) -> Result<Vec<PlateLog>, RecordingError> {
     let start = |y: f64| [0.3, y, 0.0, 0.0, 0.0, 0.0];
     let seconds = options.seconds;
     let shaken = multisine(start(0.0), seconds, settings, seed)?;
@@ -141,7 +143,7 @@ fn held_out(
     settings: &RecordingSettings,
     seed: u64,
     options: &Options,
-) -> Result<PlateLog, TrialError> {
+) -> Result<PlateLog, RecordingError> {
     let start = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
     let other = !seed;
     let shaken = multisine(start, options.seconds, settings, other)?;

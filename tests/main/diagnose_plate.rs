@@ -2,9 +2,9 @@
 //!
 //! Fixed seeds and short logs; `cargo run --release --example diagnose_plate` draws as many effects as one likes.
 
+use bracketry::plate::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
 use bracketry_diagnose::{Cause, Record, RecordSettings, Settings, Study, StudySettings, Verdict, diagnose};
 use bracketry_system::System;
-use bracketry_trials::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
 
 fn disk() -> System {
     System::parse("plate_disk.toml", include_str!("../../models/plate_disk.toml")).unwrap()

@@ -14,6 +14,7 @@ mod log;
 mod model;
 mod motion;
 mod object;
+mod recording;
 mod run;
 
 pub use area::{
@@ -42,6 +43,9 @@ pub use model::{
 };
 pub use motion::{Drive, ExpressionMotion, Harmonic, PeriodicMotion, PlateKinematics, PlateMotion};
 pub use object::{Bearing, Object, Quadrature, Shape, ShapeError, Vertices};
+pub use recording::{
+    PlateMismatch, Random, RecordingError, RecordingSettings, SyntheticLog, multisine, seed_of, synthetic_log,
+};
 pub use run::{
     Assumption, Comparison, Dependence, Deviation, ErrorsAtStart, ExperimentKind, FrictionLaw, GivenOption,
     NumberOption, OppositeSigns, PeriodStart, PlateExperiment, PlateModel, PlateOptions, PlateOutcome, PlateRow,

@@ -2,7 +2,7 @@
 
 use bracketry_plate::PlateError;
 
-/// What can be wrong with a trial or with a synthetic log.
+/// What can be wrong with a trial.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrialError {
     /// The object, the plate or a controller.
@@ -17,18 +17,6 @@ pub enum TrialError {
         low: f64,
         /// Its upper end.
         high: f64,
-    },
-    /// A plate that would have to jump where the amplitude of an experiment changes.
-    #[error("the plate would jump at {t} s, where the amplitude changes; choose a motion that starts and ends at rest")]
-    Jump {
-        /// When, in s.
-        t: f64,
-    },
-    /// No multisine keeps the object where it should be.
-    #[error("none of {tries} multisines keeps the object near its start; use a shorter duration or more friction")]
-    NoMultisine {
-        /// How many were tried.
-        tries: u64,
     },
     /// A grid of places without places.
     #[error("the grid needs places y in increasing order and at least one yaw")]

@@ -1,10 +1,8 @@
-//! Systems, effects and logs drawn at random: what tests, examples and the demonstration are tried on.
+//! Systems, effects and logs drawn at random: what tests and examples are tried on.
 
 mod baseline;
 mod error;
 mod monte_carlo;
-mod plate_log;
-mod random;
 mod slider;
 
 pub use baseline::{AveragedController, Cycle, CycleGrid, CycleMap, TwoStepController};
@@ -14,7 +12,6 @@ pub use monte_carlo::{
     TrialReport, TrialRun, TrialSample, TrialSetup, TrialSummary, Utilization, WallTimes, at_rest, median_time_ratio,
     pose_error, quantile, run_trial, run_trials, time_to_target,
 };
-pub use plate_log::{PlateMismatch, RecordingSettings, SyntheticLog, multisine, synthetic_log};
 pub use slider::{
     Choice, Excitation, Hidden, Score, Slider, SliderEffect, SliderLog, SliderSensors, SliderTrial, SliderTruth,
     SyntheticError,

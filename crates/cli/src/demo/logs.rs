@@ -1,13 +1,15 @@
 //! What a laboratory would record of the true plant.
 
 use bracketry::diagnose::{Audit, DiagnoseError, Record, RecordSettings};
-use bracketry::plate::{AreaOutcome, Experiment, PlateKinematics, RESOLUTION};
+use bracketry::plate::{
+    AreaOutcome, Experiment, PlateKinematics, PlateMismatch, RESOLUTION, RecordingError, SyntheticLog, multisine,
+    synthetic_log,
+};
 use bracketry::system::System;
 use rayon::prelude::*;
 
 use super::on_plant::MoveOnPlant;
 use super::settings::StorySettings;
-use bracketry_trials::{PlateMismatch, SyntheticLog, TrialError, multisine, synthetic_log};
 
 /// Where identification runs start: x, y (m), at rest.
 const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -17,13 +19,13 @@ const WIDER: f64 = 3.0;
 const WIDER_SECONDS: f64 = 4.0;
 
 /// A run that is still to be made.
-type Recorded<'a> = &'a (dyn Fn() -> Result<SyntheticLog, TrialError> + Sync);
+type Recorded<'a> = &'a (dyn Fn() -> Result<SyntheticLog, RecordingError> + Sync);
 
 /// The logs of a multisine, of experiment 1 as published and with a wider displacement, and, last, of a second multisine to measure the gain on, made side by side.
 ///
 /// # Errors
-/// [`TrialError`] for settings without meaning, or where no multisine keeps the object on the plate.
-pub fn identification_runs(settings: &StorySettings) -> Result<Vec<SyntheticLog>, TrialError> {
+/// [`RecordingError`] for settings without meaning, or where no multisine keeps the object on the plate.
+pub fn identification_runs(settings: &StorySettings) -> Result<Vec<SyntheticLog>, RecordingError> {
     let (plant, seconds, seed) = (&settings.plant, settings.seconds, settings.seed);
     let run = |experiment: &Experiment, seconds: f64, noise: u64| {
         synthetic_log(experiment, START, seconds, &PlateMismatch::None, plant, noise)

@@ -4,7 +4,7 @@ use bracketry::mpc::{
     ControlProblem, ControlRun, EstimatedParameter, Estimation, EstimationProblem, EstimatorKind, MeasuredOutput,
     MovingHorizonSettings, MpcError,
 };
-use bracketry_trials::RecordingSettings;
+use bracketry::plate::RecordingSettings;
 
 /// Samples between a measurement and the input that answers it.
 const DELAY: usize = 1;

@@ -1,14 +1,13 @@
 //! A controller on the plant with contact over the whole footprint.
 
 use bracketry::mpc::{ControlProblem, ControlRun, Plant};
-use bracketry::plate::{AreaOutcome, Arrival, move_with};
+use bracketry::plate::{AreaOutcome, Arrival, PlateMismatch, move_with};
 use bracketry::system::System;
 use serde::{Serialize, Serializer};
 
 use super::loop_conditions::{measured, programs_of};
 use super::settings::{StoryError, StorySettings};
 use super::shortest::Shortest;
-use bracketry_trials::PlateMismatch;
 
 /// The reference move on the plant with contact over the whole footprint, planned and corrected with some model of it, in a time
 /// that is little longer than the shortest. The controller sees what a camera measures, one sample late.

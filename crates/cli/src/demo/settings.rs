@@ -4,9 +4,8 @@ use bracketry::diagnose::{DiagnoseError, Settings};
 use bracketry::lie::AnalysisError;
 use bracketry::mpc::ControlError;
 use bracketry::mpc::MpcError;
-use bracketry::plate::{MoveError, PlateError};
+use bracketry::plate::{MoveError, PlateError, RecordingError, RecordingSettings};
 use bracketry::plot::PlotError;
-use bracketry_trials::{RecordingSettings, TrialError};
 
 /// How the story is told.
 #[derive(Clone, Debug)]
@@ -44,7 +43,7 @@ pub enum StoryError {
     Analysis(#[from] AnalysisError),
     /// The logs.
     #[error(transparent)]
-    Trial(#[from] TrialError),
+    Recording(#[from] RecordingError),
     /// The move cannot be set up.
     #[error(transparent)]
     Move(#[from] MoveError),

@@ -1,10 +1,9 @@
 //! The story as data.
 
 use bracketry::lie::Analysis;
-use bracketry::plate::Shape;
+use bracketry::plate::{Shape, SyntheticLog};
 use bracketry::report::Diagnosis;
 use bracketry::system::System;
-use bracketry_trials::SyntheticLog;
 
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;

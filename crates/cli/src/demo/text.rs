@@ -3,8 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use bracketry::diagnose::{Cause, NamedCause};
-use bracketry::plate::AreaOutcome;
-use bracketry_trials::SyntheticLog;
+use bracketry::plate::{AreaOutcome, SyntheticLog};
 
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;

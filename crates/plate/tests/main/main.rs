@@ -13,6 +13,7 @@ mod first_principles;
 mod learning;
 mod move_planner;
 mod random_object;
+mod recording;
 mod reduced;
 mod shapes;
 mod sign_comparison;

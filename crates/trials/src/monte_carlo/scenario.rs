@@ -2,8 +2,8 @@
 
 use super::criterion::Tolerance;
 use crate::TrialError;
-use crate::random::{Random, seed_of};
 use bracketry_plate::{Object, PlateError, PlateLimits};
+use bracketry_plate::{Random, seed_of};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

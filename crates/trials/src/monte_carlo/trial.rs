@@ -4,7 +4,7 @@ use super::criterion::{REST, TrialSample, at_rest, pose_error, time_to_target};
 use super::scenario::Trial;
 use super::{Scenario, Tolerance};
 use crate::TrialError;
-use crate::random::Random;
+use bracketry_plate::Random;
 use bracketry_plate::{
     AreaContact, AreaOutcome, AreaSettings, Command, Friction, Measurement, Object, PlateController, PlateError,
     PlateKinematics, PlateLimits,

@@ -3,5 +3,4 @@
 
 mod hidden_slider;
 mod monte_carlo;
-mod plate_log;
 mod slider_logs;

@@ -1,8 +1,8 @@
 //! Mismatches between the plant and its model that a log may hide.
 
-use super::recording::RecordingSettings;
-use crate::random::{Random, seed_of};
-use bracketry_plate::{AreaContact, AreaLoopPlant, Bearing, Friction, Object, PlateError, PlateKinematics};
+use super::random::{Random, seed_of};
+use super::settings::RecordingSettings;
+use crate::{AreaContact, AreaLoopPlant, Bearing, Friction, Object, PlateError, PlateKinematics};
 use serde::{Deserialize, Serialize};
 
 /// What is otherwise in the real plant than its user believes.

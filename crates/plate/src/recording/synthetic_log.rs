@@ -1,13 +1,11 @@
 //! Logs of the object on the plate as a laboratory would record them.
 
 use super::actuated_motion::ActuatedMotion;
+use super::error::RecordingError;
 use super::mismatch::PlateMismatch;
-use super::recording::RecordingSettings;
-use crate::TrialError;
-use crate::random::Random;
-use bracketry_plate::{
-    AreaContact, AreaOutcome, Course, Experiment, PlateColumns, PlateError, PlateKinematics, PlateLog,
-};
+use super::random::Random;
+use super::settings::RecordingSettings;
+use crate::{AreaContact, AreaOutcome, Course, Experiment, PlateColumns, PlateError, PlateKinematics, PlateLog};
 
 /// Greatest jump of displacement (m), tilt (rad) and their rates where an amplitude changes.
 const SMOOTH: f64 = 1e-9;
@@ -52,11 +50,10 @@ impl SyntheticLog {
 /// The object starts in the state `x, y, phi, vx, vy, w`. Where contact ends early, so does the log.
 ///
 /// # Errors
-/// [`TrialError::Jump`] for an experiment whose plate would have to jump; [`TrialError`] for settings without meaning.
+/// [`RecordingError::Jump`] for an experiment whose plate would have to jump; [`RecordingError`] for settings without meaning.
 ///
 /// ```
-/// use bracketry_plate::Experiment;
-/// use bracketry_trials::{PlateMismatch, RecordingSettings, synthetic_log};
+/// use bracketry_plate::{Experiment, PlateMismatch, RecordingSettings, synthetic_log};
 /// let start = [0.3, -0.03, 0.0, 0.0, 0.0, 0.0];
 /// let settings = RecordingSettings::default();
 /// let recorded = synthetic_log(&Experiment::translation_y(), start, 0.5, &PlateMismatch::None, &settings, 7).unwrap();
@@ -70,7 +67,7 @@ pub fn synthetic_log(
     effect: &PlateMismatch,
     settings: &RecordingSettings,
     seed: u64,
-) -> Result<SyntheticLog, TrialError> {
+) -> Result<SyntheticLog, RecordingError> {
     for (name, value) in [("rate", settings.rate), ("duration", duration), ("period", experiment.period)] {
         if !(value.is_finite() && value > 0.0) {
             return Err(PlateError::BadNumber { name, value }.into());
@@ -126,7 +123,7 @@ fn update_amplitude(
     contact: &AreaContact,
     plate: &mut ActuatedMotion,
     first: bool,
-) -> Result<(), TrialError> {
+) -> Result<(), RecordingError> {
     let t = contact.time();
     let coordinate = contact.state()[experiment.index()];
     let before = plate.command(t);
@@ -139,7 +136,7 @@ fn update_amplitude(
         after.tilt_rate - before.tilt_rate,
     ];
     if !first && jumps.iter().any(|jump| jump.abs() > SMOOTH) {
-        return Err(TrialError::Jump { t });
+        return Err(RecordingError::Jump { t });
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What is believed of the plant, and how it is recorded.
 
-use bracketry_plate::{AreaSettings, Object};
+use crate::{AreaSettings, Object};
 
 /// What is believed of the plant, and how it is recorded.
 #[derive(Debug, Clone, PartialEq)]

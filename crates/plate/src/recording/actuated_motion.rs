@@ -1,7 +1,7 @@
 //! What the plate does when it is told to move.
 
 use super::mismatch::PlateMismatch;
-use bracketry_plate::{ExpressionMotion, PlateKinematics, PlateMotion};
+use crate::{ExpressionMotion, PlateKinematics, PlateMotion};
 
 /// Time between the nodes at which a lagging motion is kept, in s.
 const NODE: f64 = 5e-4;

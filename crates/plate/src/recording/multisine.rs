@@ -1,10 +1,10 @@
 //! A plate motion of many frequencies.
 
+use super::error::RecordingError;
 use super::mismatch::PlateMismatch;
-use super::recording::RecordingSettings;
-use crate::TrialError;
-use crate::random::{Random, seed_of};
-use bracketry_plate::{AmplitudeStep, Coordinate, Experiment, ExpressionMotion, PlateError, PlateMotion};
+use super::random::{Random, seed_of};
+use super::settings::RecordingSettings;
+use crate::{AmplitudeStep, Coordinate, Experiment, ExpressionMotion, PlateError, PlateMotion};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -33,13 +33,13 @@ const PIECE: f64 = 0.2;
 /// without tipping; where the greatest motions let it slip away every time, smaller ones are tried.
 ///
 /// # Errors
-/// [`TrialError::NoMultisine`] if no such motion is found; [`TrialError`] for settings without meaning.
+/// [`RecordingError::NoMultisine`] if no such motion is found; [`RecordingError`] for settings without meaning.
 pub fn multisine(
     start: [f64; 6],
     duration: f64,
     settings: &RecordingSettings,
     seed: u64,
-) -> Result<Experiment, TrialError> {
+) -> Result<Experiment, RecordingError> {
     if !(duration.is_finite() && duration > 0.0) {
         return Err(PlateError::BadNumber { name: "duration", value: duration }.into());
     }
@@ -66,7 +66,7 @@ pub fn multisine(
             return Ok(experiment);
         }
     }
-    Err(TrialError::NoMultisine { tries: TRIES })
+    Err(RecordingError::NoMultisine { tries: TRIES })
 }
 
 /// Whether the object stays within reach of where it starts, on the plate and without tipping; simulated piece by piece, as most
@@ -76,7 +76,7 @@ fn stays(
     start: [f64; 6],
     duration: f64,
     settings: &RecordingSettings,
-) -> Result<bool, TrialError> {
+) -> Result<bool, RecordingError> {
     let mut contact = PlateMismatch::None.contact(settings)?;
     contact.set_state(start)?;
     let mut plate = experiment.motion(0.0)?;
@@ -96,7 +96,7 @@ fn stays(
 }
 
 /// The sum of sines as an expression of `t`, scaled to its greatest value.
-fn sines(random: &mut Random, greatest: f64, duration: f64) -> Result<String, TrialError> {
+fn sines(random: &mut Random, greatest: f64, duration: f64) -> Result<String, RecordingError> {
     let step = (FREQUENCIES[1] - FREQUENCIES[0]) / SINES as f64;
     let mut sum = String::new();
     for k in 0..SINES {

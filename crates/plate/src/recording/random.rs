@@ -1,42 +1,44 @@
-//! Random numbers of trials: a generator for each trial, whatever the order in which they run.
+//! Random numbers of recordings and trials: a generator for each trial, whatever the order in which they run.
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use std::f64::consts::TAU;
 
 /// Random numbers from a seed.
-pub(crate) struct Random(StdRng);
+#[derive(Debug)]
+pub struct Random(StdRng);
 
 impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
+    /// Of a seed.
+    pub fn new(seed: u64) -> Self {
         Self(StdRng::seed_from_u64(seed))
     }
 
     /// Uniform between two numbers, which may be equal.
-    pub(crate) fn between(&mut self, [low, high]: [f64; 2]) -> f64 {
+    pub fn between(&mut self, [low, high]: [f64; 2]) -> f64 {
         low + (high - low) * self.0.random_range(0.0..1.0)
     }
 
     /// Normally distributed with mean 0 and standard deviation 1, by the transformation of Box and Muller (1958): the recorded
     /// studies are drawn with it, and `rand_distr` would take other numbers from the generator.
-    pub(crate) fn normal(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         let (radius, angle) = (1.0 - self.0.random_range(0.0..1.0), TAU * self.0.random_range(0.0..1.0));
         (-2.0 * f64::ln(radius)).sqrt() * f64::cos(angle)
     }
 
     /// One of the numbers below `count`.
-    pub(crate) fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         self.0.random_range(0..count)
     }
 
     /// True with a probability.
-    pub(crate) fn happens(&mut self, probability: f64) -> bool {
+    pub fn happens(&mut self, probability: f64) -> bool {
         self.0.random_range(0.0..1.0) < probability
     }
 }
 
 /// The seed of number `index` of a series of trials: the generator SplitMix64 (Steele, Lea and Flood 2014) at that place.
-pub(crate) fn seed_of(seed: u64, index: u64) -> u64 {
+pub fn seed_of(seed: u64, index: u64) -> u64 {
     let mut z = seed.wrapping_add(index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -2,9 +2,8 @@
 
 use bracketry_plate::{
     AmplitudeStep, AreaContact, AreaObject, AreaSettings, Coordinate, Course, DrivenObject, Experiment, Friction,
-    Object, PlateLog,
+    Object, PlateLog, PlateMismatch, RecordingError, RecordingSettings, SyntheticLog, multisine, synthetic_log,
 };
-use bracketry_trials::{PlateMismatch, RecordingSettings, SyntheticLog, TrialError, multisine, synthetic_log};
 
 const START: [f64; 6] = [0.3, -0.03, 0.0, 0.0, 0.0, 0.0];
 
@@ -182,5 +181,5 @@ fn a_multisine_stays_within_its_bounds_and_keeps_the_object_sliding() {
 fn a_plate_that_would_jump_is_refused() {
     let error =
         synthetic_log(&Experiment::translation_x(3), START, 2.0, &PlateMismatch::None, &silent(), 0).unwrap_err();
-    assert!(matches!(error, TrialError::Jump { t } if (t - 1.0 / 3.0).abs() < 1e-9), "{error}");
+    assert!(matches!(error, RecordingError::Jump { t } if (t - 1.0 / 3.0).abs() < 1e-9), "{error}");
 }
