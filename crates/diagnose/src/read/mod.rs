@@ -5,6 +5,7 @@ mod clock;
 mod consistency;
 mod driving;
 mod noise;
+mod npy;
 mod npz;
 mod origin;
 mod record;

@@ -5,6 +5,7 @@ mod frame;
 mod inverse;
 mod kinematics;
 mod urdf;
+mod urdf_document;
 
 pub use chain::{DhParameters, Joint, JointKind, Robot};
 pub use frame::{Twist, Wrench, displaced, displacement_between, twist_adjoint, wrench_adjoint};

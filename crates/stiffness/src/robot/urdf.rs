@@ -1,9 +1,9 @@
 //! Robots from URDF descriptions.
 
 use super::chain::{Joint, JointKind, Robot};
+use super::urdf_document::{DescribedJoint, Description, JointType};
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use std::collections::HashMap;
-use urdf_rs::JointType;
 
 /// Why a description gives no serial robot.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -58,12 +58,12 @@ impl Robot {
     /// [`UrdfError`] for a text that is no URDF, links that are not there, and joints that are neither fixed, revolute
     /// nor prismatic.
     pub fn from_urdf(text: &str, base: Option<&str>, tip: Option<&str>) -> Result<Self, UrdfError> {
-        let description = urdf_rs::read_from_string(text).map_err(|e| UrdfError::Syntax { message: e.to_string() })?;
-        let parents: HashMap<&str, &urdf_rs::Joint> =
-            description.joints.iter().map(|joint| (joint.child.link.as_str(), joint)).collect();
-        let links: Vec<&str> = description.links.iter().map(|link| link.name.as_str()).collect();
+        let description = Description::read(text).map_err(|message| UrdfError::Syntax { message })?;
+        let parents: HashMap<&str, &DescribedJoint> =
+            description.joints.iter().map(|joint| (joint.child.as_str(), joint)).collect();
+        let links: Vec<&str> = description.links.iter().map(String::as_str).collect();
         let base = named(&links, base, "base link", |link| !parents.contains_key(link))?;
-        let hangs = |link: &str| description.joints.iter().any(|joint| joint.parent.link == link);
+        let hangs = |link: &str| description.joints.iter().any(|joint| joint.parent == link);
         let tip = named(&links, tip, "tip link", |link| !hangs(link))?;
 
         let mut chain = Vec::new();
@@ -73,7 +73,7 @@ impl Robot {
             match parents.get(link) {
                 Some(joint) if chain.len() < description.joints.len() => {
                     chain.push(*joint);
-                    link = &joint.parent.link;
+                    link = &joint.parent;
                 }
                 _ => return Err(UrdfError::NoChain { base: base.into(), tip: tip.into(), end: link.into() }),
             }
@@ -84,7 +84,7 @@ impl Robot {
         for joint in chain {
             robot.tool *= pose(joint)?;
             if let Some(kind) = kind(joint)? {
-                let axis = Unit::try_new(Vector3::from(*joint.axis.xyz), 1e-9);
+                let axis = Unit::try_new(Vector3::from(joint.axis), 1e-9);
                 let axis = axis.filter(|axis| axis.iter().all(|v| v.is_finite()));
                 let axis = axis.ok_or_else(|| refused(joint, "its axis has no direction; correct <axis xyz>"))?;
                 let placement = std::mem::replace(&mut robot.tool, Isometry3::identity());
@@ -119,29 +119,29 @@ fn named<'a>(
     }
 }
 
-fn pose(joint: &urdf_rs::Joint) -> Result<Isometry3<f64>, UrdfError> {
-    let ([x, y, z], [roll, pitch, yaw]) = (*joint.origin.xyz, *joint.origin.rpy);
+fn pose(joint: &DescribedJoint) -> Result<Isometry3<f64>, UrdfError> {
+    let ([x, y, z], [roll, pitch, yaw]) = (joint.xyz, joint.rpy);
     if [x, y, z, roll, pitch, yaw].iter().any(|v| !v.is_finite()) {
         return Err(refused(joint, "its origin has a number that is not finite; correct <origin>"));
     }
     Ok(Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_euler_angles(roll, pitch, yaw)))
 }
 
-fn refused(joint: &urdf_rs::Joint, reason: &'static str) -> UrdfError {
+fn refused(joint: &DescribedJoint, reason: &'static str) -> UrdfError {
     UrdfError::Joint { joint: joint.name.clone(), reason }
 }
 
 /// What a joint does; none where it is fixed.
-fn kind(joint: &urdf_rs::Joint) -> Result<Option<JointKind>, UrdfError> {
-    if joint.mimic.is_some() {
+fn kind(joint: &DescribedJoint) -> Result<Option<JointKind>, UrdfError> {
+    if joint.mimics {
         let reason = "it mimics another one, which a serial robot does not; choose base and tip to leave it out";
         return Err(refused(joint, reason));
     }
-    match joint.joint_type {
+    match joint.kind {
         JointType::Fixed => Ok(None),
         JointType::Revolute | JointType::Continuous => Ok(Some(JointKind::Revolute)),
         JointType::Prismatic => Ok(Some(JointKind::Prismatic)),
-        JointType::Floating | JointType::Planar | JointType::Spherical => {
+        JointType::SeveralDegrees => {
             Err(refused(joint, "it has several degrees of freedom; choose base and tip to leave it out"))
         }
     }

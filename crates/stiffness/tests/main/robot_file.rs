@@ -162,6 +162,10 @@ fn urdf_joints_that_slide_slide_and_others_are_refused() {
         ("type=\"revolute\"><axis xyz=\"0 0 1\"/><origin xyz=\"nan 0 0\"/>", "not finite"),
         ("type=\"revolute\"><axis xyz=\"0 0 1\"/><mimic joint=\"k\"/>", "mimics"),
         ("type=\"revolute\"><axis xyz=\"0 0 1\"", "not a URDF"),
+        ("type=\"revolute\"><axis xyz=\"0 1\"/>", "`xyz` of <axis> is not three numbers, at 1:"),
+        ("type=\"revolute\"><origin rpy=\"0 0 up\"/>", "`rpy` of <origin> is not three numbers"),
+        ("type=\"spiral\">", "`spiral` is no type of a joint"),
+        (">", "<joint> without `type`"),
     ] {
         let message = with(joint).unwrap_err().to_string();
         assert!(message.contains(said), "{message}");
