@@ -8,6 +8,7 @@ mod cart_pole;
 mod chance;
 mod common;
 mod constraints;
+mod contact_reference;
 mod convergence;
 mod discrete_time;
 mod estimation;

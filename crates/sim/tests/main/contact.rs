@@ -1,8 +1,7 @@
-//! Steps of dry contact: mechanics that is known, certificates, and Clarabel as an independent solver.
+//! Steps of dry contact: mechanics that is known, and certificates. Clarabel as an independent solver is asked where it is compiled, in
+//! `crates/mpc/tests/main/contact_reference.rs`.
 
 use bracketry_sim::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 
 const INERTIA: f64 = 0.0072;
 const MASS: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, INERTIA]];
@@ -32,53 +31,6 @@ fn flat(points: &[([f64; 2], f64)]) -> FrictionPoints<3> {
 
 fn step(points: &FrictionPoints<3>, free: [f64; 3]) -> ContactStep<3> {
     FrictionSolver::new().step(&MASS, &free, points, &[0.0; 3]).unwrap()
-}
-
-fn objective<const N: usize>(mass: &[[f64; N]; N], free: &[f64; N], points: &FrictionPoints<N>, v: &[f64; N]) -> f64 {
-    let mut value = points.dissipation(v);
-    for i in 0..N {
-        for j in 0..N {
-            value += 0.5 * (v[i] - free[i]) * mass[i][j] * (v[j] - free[j]);
-        }
-    }
-    value
-}
-
-/// The same step as a second-order cone program: `min ½ vᵀMv − (Mv*)ᵀv + cᵀs`, `|J_i v| ≤ s_i`.
-fn clarabel_step<const N: usize>(mass: &[[f64; N]; N], free: &[f64; N], points: &FrictionPoints<N>) -> [f64; N] {
-    let m = points.len();
-    let mut p = vec![vec![0.0; N + m]; N + m];
-    let mut q = vec![0.0; N + m];
-    for i in 0..N {
-        for j in 0..N {
-            if i <= j {
-                p[i][j] = mass[i][j];
-            }
-            q[i] -= mass[i][j] * free[j];
-        }
-    }
-    let mut a = vec![vec![0.0; N + m]; 3 * m];
-    for i in 0..m {
-        q[N + i] = points.bound(i);
-        a[3 * i][N + i] = -1.0;
-        for (k, row) in points.rows(i).iter().enumerate() {
-            for (j, entry) in row.iter().enumerate() {
-                a[3 * i + 1 + k][j] = -entry;
-            }
-        }
-    }
-    let settings = DefaultSettings {
-        verbose: false,
-        tol_gap_abs: 1e-13,
-        tol_gap_rel: 1e-13,
-        tol_feas: 1e-13,
-        ..DefaultSettings::default()
-    };
-    let cones = vec![SupportedConeT::SecondOrderConeT(3); m];
-    let (p, a) = (CscMatrix::from(&p), CscMatrix::from(&a));
-    let mut solver = DefaultSolver::new(&p, &q, &a, &vec![0.0; 3 * m], &cones, settings).unwrap();
-    solver.solve();
-    std::array::from_fn(|i| solver.solution.x[i])
 }
 
 /// The impulses are admissible, balance the change of momentum and do the most work: the definition of the solution.
@@ -117,7 +69,7 @@ fn random_points(random: &mut Random, count: usize, strength: f64) -> FrictionPo
 }
 
 #[test]
-fn random_steps_agree_with_clarabel_and_certify_themselves() {
+fn random_steps_certify_themselves() {
     let mut random = Random(7);
     let mut kinds = [0; 3];
     for case in 0..150 {
@@ -128,12 +80,6 @@ fn random_steps_agree_with_clarabel_and_certify_themselves() {
         let mut solver = FrictionSolver::new();
         let step = solver.step(&MASS, &free, &points, &[0.0; 3]).unwrap();
         assert_optimal(&MASS, &free, &points, &solver, &step);
-        let other = clarabel_step(&MASS, &free, &points);
-        for (a, b) in step.velocity.iter().zip(other) {
-            assert!((a - b).abs() < 1e-5, "case {case}: {step:?}, Clarabel {other:?}");
-        }
-        let difference = objective(&MASS, &free, &points, &step.velocity) - objective(&MASS, &free, &points, &other);
-        assert!(difference < 1e-12, "case {case}: {difference}");
         match step.slip {
             Slip::Held => kinds[0] += 1,
             Slip::Pivoting { .. } => kinds[1] += 1,
@@ -161,9 +107,6 @@ fn bodies_of_other_dimensions_and_full_mass_matrices_are_solved_too() {
         let mut solver = FrictionSolver::new();
         let step = solver.step(&mass, &free, &points, &[0.0; 6]).unwrap();
         assert_optimal(&mass, &free, &points, &solver, &step);
-        for (a, b) in step.velocity.iter().zip(clarabel_step(&mass, &free, &points)) {
-            assert!((a - b).abs() < 1e-5, "case {case}: {step:?}");
-        }
     }
 }
 
