@@ -67,16 +67,25 @@ fn every_crate_uses_only_crates_below_it() {
 }
 
 #[test]
-fn nothing_below_the_front_draws_at_random_for_trials() {
+fn only_tests_and_examples_draw_at_random_for_trials() {
     for (name, manifest) in manifests() {
         let used = dependencies(&manifest);
         let trials = used.iter().any(|d| d == "bracketry-trials");
-        assert!(!trials || name == "bracketry-cli", "{name} builds the generators of trials for its users");
+        assert!(!trials, "{name} builds the generators of trials for its users");
     }
+    // A dev-dependency with a version would have to be published before the crate that its tests are of.
+    let trials = &manifest(&root().join("Cargo.toml"))["workspace"]["dependencies"]["bracketry-trials"];
+    assert!(trials.get("version").is_none());
 }
 
-/// The packages that a package of the lock file brings along, itself included.
-fn brought_along(package: &str) -> BTreeSet<String> {
+/// Those that no feature has to ask for.
+fn required(manifest: &Table) -> Vec<String> {
+    let optional = |name: &String| manifest["dependencies"][name].get("optional").is_some();
+    dependencies(manifest).into_iter().filter(|name| !optional(name)).collect()
+}
+
+/// The packages that a package of the lock file brings along, itself included, by what `of` says of the manifests of the workspace.
+fn brought_along(package: &str, of: fn(&Table) -> Vec<String>) -> BTreeSet<String> {
     let lock = manifest(&root().join("Cargo.lock"));
     let packages = lock["package"].as_array().unwrap();
     let manifests = manifests();
@@ -88,7 +97,7 @@ fn brought_along(package: &str) -> BTreeSet<String> {
         }
         if let Some((_, manifest)) = manifests.iter().find(|(n, _)| *n == name) {
             // Members list what their tests need in the lock file too.
-            open.extend(dependencies(manifest));
+            open.extend(of(manifest));
             continue;
         }
         for p in packages.iter().filter(|p| p["name"].as_str() == Some(&name)) {
@@ -100,8 +109,18 @@ fn brought_along(package: &str) -> BTreeSet<String> {
 }
 
 #[test]
+fn without_features_the_library_is_expressions_models_and_analysis() {
+    let brought = brought_along("bracketry", required);
+    let own: Vec<&str> = brought.iter().filter_map(|name| name.strip_prefix("bracketry-")).collect();
+    assert_eq!(own, ["files", "lie", "symbolic", "system"]);
+    for name in ["clarabel", "cranelift-codegen", "resvg", "roxmltree", "zip", "rand"] {
+        assert!(!brought.contains(name), "{name} is in the tree of an analysis");
+    }
+}
+
+#[test]
 fn a_user_of_the_library_builds_nothing_of_the_command() {
-    let brought = brought_along("bracketry");
+    let brought = brought_along("bracketry", dependencies);
     assert!(brought.contains("clarabel"), "the walk through the lock file found nothing");
     for name in ["clap", "clap_mangen", "anstream", "indicatif", "zstd", "bzip2", "aes"] {
         assert!(!brought.contains(name), "{name} is in the tree of the library");

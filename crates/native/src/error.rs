@@ -1,5 +1,6 @@
 //! Why a tape is not compiled.
 
+#[cfg(feature = "cranelift")]
 use cranelift_module::ModuleError;
 
 /// A tape that cannot be compiled to machine code. [`Backend::Tape`](crate::Backend::Tape) evaluates it all the same.
@@ -19,11 +20,13 @@ pub enum NativeError {
         /// The most that can be addressed.
         limit: usize,
     },
+    #[cfg(feature = "cranelift")]
     /// Code generation or the allocation of its memory failed.
     #[error("code generation failed")]
     Codegen(#[from] Box<ModuleError>),
 }
 
+#[cfg(feature = "cranelift")]
 impl From<ModuleError> for NativeError {
     fn from(e: ModuleError) -> Self {
         NativeError::Codegen(Box::new(e))

@@ -2,7 +2,7 @@
 //!
 //! A [`Function`] evaluates a [`Tape`](bracketry_symbolic::Tape) by the faster
 //! of two means: the tape's own interpreter, or machine code compiled for the
-//! host. Both give the same bits (only the payload of a NaN may differ): no operations are
+//! host (feature `cranelift`, on by default). Both give the same bits (only the payload of a NaN may differ): no operations are
 //! fused or reassociated, and transcendental functions are those of `std`.
 //!
 //! ```
@@ -21,11 +21,17 @@
 //! ```
 
 // Owning and entering machine code cannot be expressed in safe Rust; nothing else in the crate needs `unsafe`.
+#[cfg(feature = "cranelift")]
 #[allow(unsafe_code)]
+mod code;
+#[cfg(not(feature = "cranelift"))]
+#[path = "no_code.rs"]
 mod code;
 mod error;
 mod function;
+#[cfg(feature = "cranelift")]
 mod lower;
+#[cfg(feature = "cranelift")]
 mod math;
 
 pub use error::NativeError;
