@@ -11,7 +11,7 @@ use super::live::{Limits, serve, wait_until_closed};
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::style::warning;
-use super::{Outcome, OutputArgs};
+use super::{Outcome, OutputArgs, seed};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -27,7 +27,7 @@ pub(crate) struct ControlArgs {
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) problem: PathBuf,
     /// Seed of the measurement noise; overrides `seed` in [run]
-    #[arg(long, allow_negative_numbers = true, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = seed)]
     seed: Option<u64>,
     /// Control a plant of your own: read measurements from standard input and write inputs to standard output, one JSON object
     /// per line; docs/live.md

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::output::{self, csv, figure, json, write};
 use super::own_folder::OwnFolder;
 use super::progress::spinner;
-use super::{Outcome, OutputArgs, analyze};
+use super::{Outcome, OutputArgs, analyze, seed};
 
 /// Distance of the rows of the trajectories on the published equations (s), and of those on the true plant (ms).
 const CSV_STEP: f64 = 5e-3;
@@ -29,7 +29,7 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
 #[derive(Args)]
 pub(crate) struct DemoArgs {
     /// Seed of the experiments and of the noise
-    #[arg(long, allow_negative_numbers = true, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = seed)]
     seed: Option<u64>,
 }
 

@@ -16,7 +16,7 @@ use super::file_kind::{FileKind, Given};
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::simulate::HoldArg;
-use super::{Outcome, OutputArgs};
+use super::{Outcome, OutputArgs, seed};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 4] = [
@@ -63,7 +63,7 @@ pub(crate) struct DiagnoseArgs {
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().max_causes)]
     max_causes: usize,
     /// Seed for resampling
-    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().seed)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().seed, value_parser = seed)]
     seed: u64,
 }
 

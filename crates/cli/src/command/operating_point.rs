@@ -13,7 +13,7 @@ use clap::Args;
 use serde_json::json as object;
 
 use super::output::{folder, json, line, print, write};
-use super::{Outcome, OutputArgs};
+use super::{Outcome, OutputArgs, seed};
 
 /// Shown by the help of `trim`.
 pub(crate) const TRIM_EXAMPLES: [(&str, &str); 2] = [
@@ -43,7 +43,7 @@ pub(crate) struct PointArgs {
     #[arg(long, default_value_t = 24, value_name = "N")]
     starts: usize,
     /// Seed of the random starts
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_name = "N", value_parser = seed)]
     seed: u64,
 }
 

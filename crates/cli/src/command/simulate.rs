@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use super::file_kind::{FileKind, Given};
 use super::output::{csv, figure, folder, json, line, print};
 use super::progress::spinner;
-use super::{Outcome, OutputArgs};
+use super::{Outcome, OutputArgs, seed};
 
 /// How samples continue.
 #[derive(Clone, Copy, ValueEnum)]
@@ -55,7 +55,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "NAME=STD,…", value_delimiter = ',', value_parser = sensor, requires = "out")]
     noise: Vec<(String, f64)>,
     /// Seed of the noise
-    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 0, requires = "noise")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 0, requires = "noise", value_parser = seed)]
     seed: u64,
 }
 

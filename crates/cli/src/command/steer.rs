@@ -14,7 +14,7 @@ use clap::{Args, ValueEnum};
 
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
-use super::{Outcome, OutputArgs};
+use super::{Outcome, OutputArgs, seed};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -60,7 +60,7 @@ pub(crate) struct SteerArgs {
     #[arg(long, value_name = "S", default_value_t = 120.0, allow_negative_numbers = true)]
     time_limit: f64,
     /// Seed of random way points and starts
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 1, value_parser = seed)]
     seed: u64,
 }
 

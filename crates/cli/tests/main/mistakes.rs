@@ -85,6 +85,27 @@ fn a_file_of_another_kind_is_answered_with_the_right_command() {
 
 /// The place, the mark below the text, and the remedy.
 #[test]
+fn every_command_that_draws_at_random_says_what_a_seed_is() {
+    let dir = scratch("seeds");
+    for command in [
+        &["demo"][..],
+        &["control", "p"],
+        &["diagnose", "m", "d"],
+        &["simulate", "m"],
+        &["steer", "m", "--to", "x=1"],
+        &["trim", "m"],
+    ] {
+        for seed in ["abc", "-1", "1.5", "18446744073709551616"] {
+            let message = said(&dir, &[command, &["--seed", seed]].concat());
+            assert!(
+                message.contains(seed) && message.contains("a whole number from 0 to 18446744073709551615"),
+                "{message}"
+            );
+        }
+    }
+}
+
+#[test]
 fn errors_in_files_show_the_line_and_mark_the_text() {
     let dir = scratch("marks");
     file(&dir, "slider.toml", SLIDER);
