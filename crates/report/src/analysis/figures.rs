@@ -75,14 +75,15 @@ fn mode_title(first: &ModeReport, modes: &[ModeReport]) -> String {
         return "at a generic point".to_owned();
     }
     let alike = modes.iter().filter(|m| m.dimensions.growth == first.dimensions.growth).count();
-    format!("one mode: {}{}", first.signs.condition(), others(alike))
+    format!("one mode: {}{}", first.signs.condition(), others("growth", alike))
 }
 
-fn others(alike: usize) -> String {
+/// In how many modes the same holds of `what`.
+fn others(what: &str, alike: usize) -> String {
     match alike {
         0 | 1 => String::new(),
-        2 => " (the same in 1 other mode)".to_owned(),
-        k => format!(" (the same in {} other modes)", k - 1),
+        2 => format!(" (the same {what} in 1 other mode)"),
+        k => format!(" (the same {what} in {} other modes)", k - 1),
     }
 }
 
@@ -155,7 +156,7 @@ fn table(t: &ReachTable, n: usize) -> TileGrid {
     } else if t.signs.0.is_empty() {
         format!("{n} states")
     } else {
-        format!("one mode: {}{}", t.signs.condition(), others(t.alike))
+        format!("one mode: {}{}", t.signs.condition(), others("influence", t.alike))
     };
     let rounds = t.rows.first().map_or(0, |r| r.influence.len());
     let columns = (0..rounds).map(|k| match k {
