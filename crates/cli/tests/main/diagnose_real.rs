@@ -47,7 +47,6 @@ fn cause<'a>(report: &'a Value, names: &[&str]) -> &'a Value {
 }
 
 #[test]
-#[ignore = "a minute in the dev profile: cargo test --release -p bracketry-cli --test main diagnose_real:: -- --ignored"]
 fn friction_by_direction_a_delay_and_a_concave_law_are_found_in_measured_data() {
     let (Some(data), Some(pulses)) = (emps("emps_estimation.csv"), emps("emps_validation_pulses.csv")) else { return };
     let dir = scratch("diagnose_emps");
