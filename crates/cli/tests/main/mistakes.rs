@@ -83,7 +83,6 @@ fn a_file_of_another_kind_is_answered_with_the_right_command() {
     assert!(nothing.contains("--scenario ball_scenario.toml") && nothing.contains("--inputs FILE.csv"), "{nothing}");
 }
 
-/// The place, the mark below the text, and the remedy.
 #[test]
 fn every_command_that_draws_at_random_says_what_a_seed_is() {
     let dir = scratch("seeds");
@@ -105,6 +104,7 @@ fn every_command_that_draws_at_random_says_what_a_seed_is() {
     }
 }
 
+/// The place, the mark below the text, and the remedy.
 #[test]
 fn errors_in_files_show_the_line_and_mark_the_text() {
     let dir = scratch("marks");

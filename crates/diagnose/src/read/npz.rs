@@ -12,6 +12,7 @@ use super::npy;
 
 /// Files, and arrays in them, larger than this are refused.
 const MOST_BYTES: u64 = 512 << 20;
+
 /// Columns by name, and the names that were not read.
 type Columns = (BTreeMap<String, Vec<f64>>, Vec<String>);
 
