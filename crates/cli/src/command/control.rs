@@ -10,8 +10,9 @@ use clap::Args;
 use super::live::{Limits, serve, wait_until_closed};
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
+use super::seed::seed;
 use super::style::warning;
-use super::{Outcome, OutputArgs, seed};
+use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [

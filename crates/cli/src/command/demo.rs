@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use super::output::{self, csv, figure, json, write};
 use super::own_folder::OwnFolder;
 use super::progress::spinner;
-use super::{Outcome, OutputArgs, analyze, seed};
+use super::seed::seed;
+use super::{Outcome, OutputArgs, analyze};
 
 /// Distance of the rows of the trajectories on the published equations (s), and of those on the true plant (ms).
 const CSV_STEP: f64 = 5e-3;

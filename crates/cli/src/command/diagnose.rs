@@ -15,8 +15,9 @@ use clap::Args;
 use super::file_kind::{FileKind, Given};
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
+use super::seed::seed;
 use super::simulate::HoldArg;
-use super::{Outcome, OutputArgs, seed};
+use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 4] = [

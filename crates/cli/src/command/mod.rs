@@ -19,6 +19,7 @@ mod output;
 mod own_folder;
 mod plate;
 mod progress;
+mod seed;
 mod shell;
 mod simulate;
 mod steer;
@@ -30,11 +31,6 @@ use file_kind::{FileKind, Given};
 use help::{EXIT_CODES, UNITS, examples, guide};
 pub(crate) use output::{Outcome, OutputArgs};
 use stiffness::StiffnessCommand;
-
-/// A seed of random numbers, as the commands that draw some take it.
-pub(crate) fn seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
-}
 
 /// What can my inputs reach, how do I get there, and where are the equations wrong?
 #[derive(Parser)]

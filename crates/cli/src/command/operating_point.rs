@@ -13,7 +13,8 @@ use clap::Args;
 use serde_json::json as object;
 
 use super::output::{folder, json, line, print, write};
-use super::{Outcome, OutputArgs, seed};
+use super::seed::seed;
+use super::{Outcome, OutputArgs};
 
 /// Shown by the help of `trim`.
 pub(crate) const TRIM_EXAMPLES: [(&str, &str); 2] = [

@@ -11,7 +11,8 @@ use clap::{Args, ValueEnum};
 use super::file_kind::{FileKind, Given};
 use super::output::{csv, figure, folder, json, line, print};
 use super::progress::spinner;
-use super::{Outcome, OutputArgs, seed};
+use super::seed::seed;
+use super::{Outcome, OutputArgs};
 
 /// How samples continue.
 #[derive(Clone, Copy, ValueEnum)]

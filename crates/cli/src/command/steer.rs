@@ -14,7 +14,8 @@ use clap::{Args, ValueEnum};
 
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
-use super::{Outcome, OutputArgs, seed};
+use super::seed::seed;
+use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
