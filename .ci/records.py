@@ -17,7 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 RECORDS = {
     "docs/records/main_job.md": (
         ["crates/symbolic/src", "crates/system/src", "crates/sim/src", "crates/mpc/src", "crates/diagnose/src", "crates/plate/src",
-         "crates/trials/src", "crates/cli/src/demo", "models/plate_move.toml", "benches/main_job"],
+         "crates/cli/src/demo", "models/plate_move.toml", "benches/main_job"],
         "cargo build --release && python3 benches/main_job/seeds.py --record; --confirm instead where results stay as they are",
     ),
 }

@@ -172,7 +172,7 @@ impl Balance {
             while let Some(change) = changes.next_if(|e| e.t <= t) {
                 step.field.modes[change.switch] = change.to;
             }
-            step.field.apply_modes();
+            step.field.any().apply_modes();
             step.measure(t, &mut values);
             account.stored.push(values[0]);
             account.work.push(work);
@@ -217,11 +217,11 @@ impl Step<'_> {
     fn measure(&mut self, t: f64, values: &mut [f64]) {
         let (mut x, mut dx) = (vec![0.0; self.trajectory.dim()], vec![0.0; self.trajectory.dim()]);
         self.trajectory.sample_into(t, &mut x);
-        self.field.release_directions();
+        self.field.any().release_directions();
         if let Some(directions) = self.trajectory.directions(t, self.field.s.len()) {
-            self.field.set_directions(&directions);
+            self.field.any().set_directions(&directions);
         }
-        self.field.evaluate((t, &x), &mut dx);
+        self.field.any().evaluate((t, &x), &mut dx);
         self.field.system.measure(t, &x, &self.field.s, values);
     }
 

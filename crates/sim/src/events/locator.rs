@@ -5,8 +5,7 @@
 //! own, corrected by Newton's rule.
 
 use super::search::{minimum, root};
-use crate::Switched;
-use crate::friction::{Filippov, Mode, NEGLIGIBLE, SIMULTANEOUS, norm};
+use crate::friction::{Field, Mode, NEGLIGIBLE, SIMULTANEOUS, norm};
 use crate::integrate::Step;
 
 /// Where in a step the gaps are sampled.
@@ -45,9 +44,9 @@ pub(crate) struct Locator {
 }
 
 /// A step of length `h` that is searched for events.
-struct Search<'a, S> {
+struct Search<'a, 's> {
     locator: &'a mut Locator,
-    field: &'a mut Filippov<S>,
+    field: &'a mut Field<'s>,
     step: &'a Step,
     h: f64,
 }
@@ -68,7 +67,7 @@ impl Locator {
 
     /// Samples the gaps over the attempted step of length `h` and finds the first event. `atol` is the absolute tolerance of the
     /// states.
-    pub(crate) fn scan<S: Switched>(&mut self, field: &mut Filippov<S>, step: &Step, h: f64, atol: f64) -> Scan {
+    pub(crate) fn scan(&mut self, field: &mut Field<'_>, step: &Step, h: f64, atol: f64) -> Scan {
         if field.modes.iter().all(|&mode| mode == Mode::Sliding) {
             return Scan::Clear;
         }
@@ -76,13 +75,7 @@ impl Locator {
     }
 
     /// By how much the gap of `switch` changes per second shortly before the fraction `theta` of the attempted step.
-    pub(crate) fn secant<S: Switched>(
-        &mut self,
-        field: &mut Filippov<S>,
-        step: &Step,
-        (theta, h): (f64, f64),
-        switch: usize,
-    ) -> f64 {
+    pub(crate) fn secant(&mut self, field: &mut Field<'_>, step: &Step, (theta, h): (f64, f64), switch: usize) -> f64 {
         let near = theta * (1.0 - 1e-3);
         let mut search = Search { locator: self, field, step, h };
         (search.gap(switch, theta) - search.gap(switch, near)) / ((theta - near) * h)
@@ -91,13 +84,7 @@ impl Locator {
 
 /// The gap of a switch at the end of the attempted step of length `h`, and its slope there: of a sliding gap by the gradient, of a
 /// sticking one by the `secant`.
-pub(crate) fn gap_at_end<S: Switched>(
-    field: &mut Filippov<S>,
-    step: &Step,
-    h: f64,
-    switch: usize,
-    secant: f64,
-) -> (f64, f64) {
+pub(crate) fn gap_at_end(field: &mut Field<'_>, step: &Step, h: f64, switch: usize, secant: f64) -> (f64, f64) {
     match field.modes[switch] {
         Mode::Sticking | Mode::Sliding => (field.reserve(switch, &step.signs[6]), secant),
         sliding => {
@@ -111,7 +98,7 @@ pub(crate) fn gap_at_end<S: Switched>(
     }
 }
 
-impl<S: Switched> Search<'_, S> {
+impl Search<'_, '_> {
     fn first_event(&mut self, atol: f64) -> Scan {
         self.differentiate(atol);
         let calm = self.sticks_calmly();
@@ -157,7 +144,7 @@ impl<S: Switched> Search<'_, S> {
         noise.fill(0.0);
         rates[0].fill(0.0);
         rates[1].fill(0.0);
-        let (Filippov { surfaces, system, modes, .. }, step, h) = (&mut *self.field, self.step, self.h);
+        let (Field { surfaces, system, modes, .. }, step, h) = (&mut *self.field, self.step, self.h);
         if modes.iter().all(|mode| mode.sign() == 0.0) {
             return;
         }

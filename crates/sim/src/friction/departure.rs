@@ -5,10 +5,9 @@
 //! direction merely follows a σ that hardly grows, the directions are turned one after the other ([`relax`]) and are refined again.
 
 use super::dependence::Span;
-use super::filippov::Filippov;
+use super::filippov::Field;
 use super::relaxation::relax;
 use super::surfaces::{divide, norm};
-use crate::Switched;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -42,12 +41,7 @@ struct Rates {
 
 /// Solves for the directions of the unit vectors `leaving`, which are held, and writes the field for them; false if
 /// there is no solution.
-pub(crate) fn depart<S: Switched>(
-    field: &mut Filippov<S>,
-    (t, x): (f64, &[f64]),
-    leaving: &[usize],
-    dx: &mut [f64],
-) -> bool {
+pub(crate) fn depart(field: &mut Field<'_>, (t, x): (f64, &[f64]), leaving: &[usize], dx: &mut [f64]) -> bool {
     let parts = leaving.iter().map(|&i| field.surfaces.parts[i].clone());
     let components: Vec<usize> = parts.clone().flatten().collect();
     let mut first = 0;
@@ -89,9 +83,9 @@ pub(crate) fn depart<S: Switched>(
 impl Departure<'_> {
     /// Refines the directions from where they are, for their influence on σ̇; false if they do not converge, at last to the residual
     /// `accepted`.
-    fn converge<S: Switched>(
+    fn converge(
         &self,
-        field: &mut Filippov<S>,
+        field: &mut Field<'_>,
         (t, x): (f64, &[f64]),
         (jacobian, accepted): (&DMatrix<f64>, f64),
         dx: &mut [f64],
@@ -138,14 +132,14 @@ impl Departure<'_> {
     }
 
     /// The influence `sᵀ J s` of a direction on its own radial rate.
-    fn own_influence<S: Switched>(&self, field: &Filippov<S>, at: usize, jacobian: &DMatrix<f64>) -> f64 {
+    fn own_influence(&self, field: &Field<'_>, at: usize, jacobian: &DMatrix<f64>) -> f64 {
         let rows = &self.rows[at];
         let s = |a: usize| field.s[self.components[a]];
         rows.clone().map(|a| rows.clone().map(|b| s(a) * jacobian[(a, b)] * s(b)).sum::<f64>()).sum()
     }
 
     /// Starts from directions within the unit ball.
-    fn start<S: Switched>(&self, field: &mut Filippov<S>) {
+    fn start(&self, field: &mut Field<'_>) {
         if self.components.iter().any(|&c| !field.s[c].is_finite()) {
             self.components.iter().for_each(|&c| field.s[c] = 0.0);
         }
@@ -157,7 +151,7 @@ impl Departure<'_> {
     }
 
     /// Keeps the directions to what the sticking switches leave free.
-    fn confine<S: Switched>(&self, field: &mut Filippov<S>, (t, x): (f64, &[f64])) {
+    fn confine(&self, field: &mut Field<'_>, (t, x): (f64, &[f64])) {
         if field.forces.sticking.is_empty() {
             return;
         }
@@ -173,7 +167,7 @@ impl Departure<'_> {
     }
 
     /// None where they are not finite.
-    fn rates<S: Switched>(&self, field: &Filippov<S>, dx: &[f64]) -> Option<Rates> {
+    fn rates(&self, field: &Field<'_>, dx: &[f64]) -> Option<Rates> {
         let k = self.components.len();
         let rates = DVector::from_iterator(k, self.components.iter().map(|&c| field.surfaces.rate(c, dx)));
         if !rates.iter().all(|r| r.is_finite()) {
@@ -192,13 +186,7 @@ impl Departure<'_> {
     }
 
     /// Takes a step within the sphere, or one of the fixed-point iteration; false where a direction is lost.
-    fn turn<S: Switched>(
-        &self,
-        field: &mut Filippov<S>,
-        step: Option<&DVector<f64>>,
-        rates: &DVector<f64>,
-        size: f64,
-    ) -> bool {
+    fn turn(&self, field: &mut Field<'_>, step: Option<&DVector<f64>>, rates: &DVector<f64>, size: f64) -> bool {
         for (&i, rows) in self.switches.iter().zip(&self.rows) {
             let s = &mut field.s[field.surfaces.parts[i].clone()];
             for (s, a) in s.iter_mut().zip(rows.clone()) {
@@ -217,9 +205,9 @@ impl Departure<'_> {
     }
 
     /// The step of Newton's method for `P σ̇ = 0`: `(P J P − λ) δ = −P σ̇`, `P = 1 − s sᵀ`.
-    fn step_on_sphere<S: Switched>(
+    fn step_on_sphere(
         &self,
-        field: &Filippov<S>,
+        field: &Field<'_>,
         jacobian: &DMatrix<f64>,
         now: &Rates,
         size: f64,
@@ -246,7 +234,7 @@ impl Departure<'_> {
 }
 
 /// Completes the direction of a switch to unit length along its `σ̇`.
-fn fill<S: Switched>(field: &mut Filippov<S>, switch: usize, dx: &[f64]) {
+fn fill(field: &mut Field<'_>, switch: usize, dx: &[f64]) {
     let part = field.surfaces.parts[switch].clone();
     let rates: Vec<f64> = part.clone().map(|c| field.surfaces.rate(c, dx)).collect();
     let s = &mut field.s[part];

@@ -14,8 +14,7 @@ const STICKING_EXCESS: f64 = 1e-11;
 
 /// A system with the modes of its switches.
 #[derive(Debug, Clone)]
-pub(crate) struct Filippov<S> {
-    pub(crate) system: S,
+pub(crate) struct Filippov<S: ?Sized> {
     pub(crate) surfaces: Surfaces,
     pub(crate) modes: Vec<Mode>,
     /// Switches that have just left zero: their sign is known although `σ` is still rounding.
@@ -29,7 +28,12 @@ pub(crate) struct Filippov<S> {
     /// Unit vectors that slide in a direction that is kept, because σ has just left zero or is about to reach it.
     held: Vec<bool>,
     pub(crate) forces: Forces,
+    /// Last, so that a field of any system is one of a system behind a pointer.
+    pub(crate) system: S,
 }
+
+/// A field whose system is behind a pointer: what works with it is compiled once, not for each system again.
+pub(crate) type Field<'s> = Filippov<dyn Switched + 's>;
 
 impl<S: Switched> Filippov<S> {
     /// All switches stick until modes are given.
@@ -50,6 +54,13 @@ impl<S: Switched> Filippov<S> {
         }
     }
 
+    /// The same with the system behind a pointer.
+    pub(crate) fn any(&mut self) -> &mut Field<'_> {
+        self
+    }
+}
+
+impl Field<'_> {
     /// The switches in a mode.
     pub(crate) fn in_mode(&self, mode: Mode) -> impl Iterator<Item = usize> {
         self.modes.iter().enumerate().filter(move |(_, m)| **m == mode).map(|(i, _)| i)

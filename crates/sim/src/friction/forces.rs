@@ -21,8 +21,8 @@ const SINGULAR: f64 = 1e-10;
 const CONTRADICTION: f64 = 1e-9;
 
 /// A system at a point, with the gradients of its switching functions there.
-pub(crate) struct At<'a, S> {
-    pub(crate) system: &'a mut S,
+pub(crate) struct At<'a> {
+    pub(crate) system: &'a mut dyn Switched,
     pub(crate) surfaces: &'a Surfaces,
     pub(crate) t: f64,
     pub(crate) x: &'a [f64],
@@ -100,7 +100,7 @@ impl Forces {
     }
 
     /// Solves for the sticking signs in `s` and writes `f(t, x, s)`; false if there is no solution.
-    pub(crate) fn solve<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
+    pub(crate) fn solve(&mut self, at: &mut At<'_>, s: &mut [f64], dx: &mut [f64]) -> bool {
         if self.solve_affine(at, s, dx) {
             return true;
         }
@@ -122,7 +122,7 @@ impl Forces {
     }
 
     /// False if the system is not affine in its signs, or if they do not determine each other: then nothing is changed but `dx`.
-    fn solve_affine<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
+    fn solve_affine(&mut self, at: &mut At<'_>, s: &mut [f64], dx: &mut [f64]) -> bool {
         if !at.system.affine(at.t, at.x, s, dx, &mut self.by_sign) {
             return false;
         }
@@ -160,7 +160,7 @@ impl Forces {
 
     /// As [`Forces::solve_affine`], after it has written `∂f/∂s`, where the sticking signs do not determine each other.
     #[cold]
-    fn share_affine<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
+    fn share_affine(&mut self, at: &mut At<'_>, s: &mut [f64], dx: &mut [f64]) -> bool {
         let (m, n) = (self.sticking.len(), dx.len());
         self.redundant = true;
         for (a, &i) in self.sticking.iter().enumerate() {
@@ -195,7 +195,7 @@ impl Forces {
     }
 
     /// Newton's iteration with Broyden's update of the inverse Jacobian.
-    fn newton<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
+    fn newton(&mut self, at: &mut At<'_>, s: &mut [f64], dx: &mut [f64]) -> bool {
         let m = self.sticking.len();
         for iteration in 0..=3 + 2 * m {
             at.system.rhs(at.t, at.x, s, dx);
@@ -274,7 +274,7 @@ impl Forces {
 
     /// The Jacobian `∂σ̇_K/∂s_K` by differences of unit length (exact where `f` is affine in `s`), and its inverse if it has one:
     /// redundant switching functions share their force.
-    fn differentiate<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) {
+    fn differentiate(&mut self, at: &mut At<'_>, s: &mut [f64], dx: &mut [f64]) {
         let m = self.sticking.len();
         at.system.rhs(at.t, at.x, s, dx);
         self.evaluations += 1 + m;

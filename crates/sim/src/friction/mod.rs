@@ -15,7 +15,7 @@ mod zero_set;
 pub use modes::{Mode, ModeChange, ModeInterval};
 
 pub(crate) use elimination::eliminate;
-pub(crate) use filippov::Filippov;
+pub(crate) use filippov::{Field, Filippov};
 pub(crate) use resolution::resolve;
 pub(crate) use surfaces::{NEGLIGIBLE, Surfaces, divide, norm};
 pub(crate) use zero_set::{SIMULTANEOUS, ZeroSet};

@@ -2,10 +2,9 @@
 
 use super::departure::depart;
 use super::dependence::Span;
-use super::filippov::Filippov;
+use super::filippov::Field;
 use super::modes::Mode;
 use super::zero_set::ZeroSet;
-use crate::Switched;
 use crate::outcome::StopReason;
 
 /// Finds consistent modes for the zero set at `(t, x)`; the other modes stay.
@@ -14,8 +13,8 @@ use crate::outcome::StopReason;
 /// direction of motion; first with switches that truly leave (`σ̇ ≠ 0`), then with those which leave tangentially. Where the
 /// functions of the set depend on each other, a switch sticks if what sticks leaves its function no freedom. Modes in `failed`
 /// have been tried at this instant and could not be kept. Of more than `limit` switches an active set is sought.
-pub(crate) fn resolve<S: Switched>(
-    field: &mut Filippov<S>,
+pub(crate) fn resolve(
+    field: &mut Field<'_>,
     point: (f64, &[f64]),
     zero: &ZeroSet,
     failed: &[Vec<Mode>],
@@ -74,7 +73,7 @@ struct Dependence {
 }
 
 impl Dependence {
-    fn of<S: Switched>(field: &mut Filippov<S>, (t, x): (f64, &[f64]), zero: &ZeroSet) -> Self {
+    fn of(field: &mut Field<'_>, (t, x): (f64, &[f64]), zero: &ZeroSet) -> Self {
         let mut span = Span::default();
         if zero.entries.len() == 1 {
             return Self { exists: false, span };
@@ -87,7 +86,7 @@ impl Dependence {
     }
 
     /// Whether everything that stays on its surface, because of what sticks, sticks itself.
-    fn permits<S: Switched>(&mut self, field: &mut Filippov<S>, (t, x): (f64, &[f64]), zero: &ZeroSet) -> bool {
+    fn permits(&mut self, field: &mut Field<'_>, (t, x): (f64, &[f64]), zero: &ZeroSet) -> bool {
         if !self.exists {
             return true;
         }
@@ -105,8 +104,8 @@ impl Dependence {
 
 /// For zero sets too large to enumerate: starts with all sticking, lets go what needs more than the full sign, and
 /// holds what would slide against its own direction.
-fn active_set<S: Switched>(
-    field: &mut Filippov<S>,
+fn active_set(
+    field: &mut Field<'_>,
     point: (f64, &[f64]),
     (zero, dependence): (&ZeroSet, &mut Dependence),
     limit: usize,
@@ -149,13 +148,7 @@ fn active_set<S: Switched>(
 /// Solves at a point for the present modes and tells whether they are consistent there: sticking signs within
 /// `[−1, 1]` and directions in the unit ball, sliding switches of the zero set moving off to their own side
 /// (`strict`) or not to the other.
-fn is_consistent<S: Switched>(
-    field: &mut Filippov<S>,
-    (t, x): (f64, &[f64]),
-    zero: &ZeroSet,
-    strict: bool,
-    dx: &mut [f64],
-) -> bool {
+fn is_consistent(field: &mut Field<'_>, (t, x): (f64, &[f64]), zero: &ZeroSet, strict: bool, dx: &mut [f64]) -> bool {
     field.apply_modes();
     let switches = zero.entries.iter().map(|entry| entry.switch);
     let leaving: Vec<usize> = switches.clone().filter(|&i| field.modes[i] == Mode::Sliding).collect();

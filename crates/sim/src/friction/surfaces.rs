@@ -25,7 +25,7 @@ pub(crate) struct Surfaces {
 }
 
 impl Surfaces {
-    pub(crate) fn new(system: &impl Switched) -> Self {
+    pub(crate) fn new(system: &dyn Switched) -> Self {
         let (n, mut k) = (system.dim(), 0);
         let part = |switch| {
             let first = k;
@@ -37,12 +37,12 @@ impl Surfaces {
     }
 
     /// Evaluates σ.
-    pub(crate) fn evaluate(&mut self, system: &mut impl Switched, t: f64, x: &[f64]) {
+    pub(crate) fn evaluate(&mut self, system: &mut dyn Switched, t: f64, x: &[f64]) {
         system.switching(t, x, &mut self.sigma);
     }
 
     /// Evaluates the gradients.
-    pub(crate) fn differentiate(&mut self, system: &mut impl Switched, t: f64, x: &[f64]) {
+    pub(crate) fn differentiate(&mut self, system: &mut dyn Switched, t: f64, x: &[f64]) {
         system.switching_gradient(t, x, &mut self.gradient, &mut self.partial_t);
     }
 

@@ -1,9 +1,8 @@
 //! The switches whose functions vanish together.
 
 use super::dependence::Span;
-use super::filippov::Filippov;
+use super::filippov::Field;
 use super::modes::Mode;
-use crate::Switched;
 
 /// Events closer than this (times the time, from 1 s on) are one.
 pub(crate) const SIMULTANEOUS: f64 = 1e-12;
@@ -35,7 +34,7 @@ impl ZeroSet {
 
     /// At the start of a segment at `(t, x)`: what sticks and has not moved off, what is leaving, and what is within rounding.
     /// All others get the mode of their σ. `atol` is the absolute tolerance of the states. False where σ is not finite.
-    pub(crate) fn at_start<S: Switched>(&mut self, field: &mut Filippov<S>, (t, x): (f64, &[f64]), atol: f64) -> bool {
+    pub(crate) fn at_start(&mut self, field: &mut Field<'_>, (t, x): (f64, &[f64]), atol: f64) -> bool {
         field.surfaces.evaluate(&mut field.system, t, x);
         if !field.surfaces.sigma.iter().all(|v| v.is_finite()) {
             return false;
@@ -63,9 +62,9 @@ impl ZeroSet {
 
     /// At an event of `switch` at `(t, x)`, with the field `dx` and the signs there: this one, which `breaks` loose or reaches
     /// zero, those that stick, and those within the resolution of time from zero.
-    pub(crate) fn at_event<S: Switched>(
+    pub(crate) fn at_event(
         &mut self,
-        field: &mut Filippov<S>,
+        field: &mut Field<'_>,
         (t, x): (f64, &[f64]),
         (dx, signs): (&[f64], &[f64]),
         (switch, breaks): (usize, bool),
@@ -104,7 +103,7 @@ impl ZeroSet {
 
     /// Takes in what vanishes with the others because it depends on them. Its own rounding does not tell: a unit vector has
     /// arrived well before its components are that small.
-    fn complete<S: Switched>(&mut self, field: &Filippov<S>, x: &[f64], atol: f64) {
+    fn complete(&mut self, field: &Field<'_>, x: &[f64], atol: f64) {
         if self.entries.is_empty() || self.entries.len() == field.modes.len() {
             return;
         }
@@ -131,7 +130,7 @@ impl ZeroSet {
     }
 
     /// Where the present modes have no solution at `(t, x)`: what sticks, what is leaving, and what has not left zero at all.
-    pub(crate) fn of_unsolvable<S: Switched>(&mut self, field: &mut Filippov<S>, (t, x): (f64, &[f64])) {
+    pub(crate) fn of_unsolvable(&mut self, field: &mut Field<'_>, (t, x): (f64, &[f64])) {
         self.entries.clear();
         field.surfaces.evaluate(&mut field.system, t, x);
         for (i, mode) in field.modes.iter().enumerate() {

@@ -2,11 +2,10 @@
 
 use super::step::{Attempt, Control, Step};
 use super::tableau::{A, C, D, E};
-use crate::Switched;
-use crate::friction::Filippov;
+use crate::friction::Field;
 
 /// The stages of a step of length `h`, its end, its continuous extension and its error.
-pub(super) fn attempt<S: Switched>(step: &mut Step, field: &mut Filippov<S>, h: f64, control: Control<'_>) -> Attempt {
+pub(super) fn attempt(step: &mut Step, field: &mut Field<'_>, h: f64, control: Control<'_>) -> Attempt {
     for i in 1..7 {
         for j in 0..step.x.len() {
             let sum: f64 = (0..i).map(|l| A[i][l] * step.k[l][j]).sum();

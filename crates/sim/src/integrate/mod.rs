@@ -11,11 +11,10 @@ pub(crate) use dense::{interpolate, node_weights};
 pub(crate) use step::{Attempt, Control, Step};
 pub(crate) use stiffness::{Approach, Stiffness};
 
-use crate::Switched;
-use crate::friction::Filippov;
+use crate::friction::Field;
 
 /// The stages of a step of length `h`, its end, its continuous extension and its error.
-pub(crate) fn attempt<S: Switched>(step: &mut Step, field: &mut Filippov<S>, h: f64, control: Control<'_>) -> Attempt {
+pub(crate) fn attempt(step: &mut Step, field: &mut Field<'_>, h: f64, control: Control<'_>) -> Attempt {
     let method = if step.implicit { radau::attempt } else { dormand_prince::attempt };
     method(step, field, h, control)
 }

@@ -6,8 +6,7 @@
 
 use super::dense::{RADAU_NODES as C, third_difference};
 use super::step::{Attempt, Control, RADAU_STAGES, Step};
-use crate::Switched;
-use crate::friction::{Filippov, Mode, divide, norm};
+use crate::friction::{Field, Mode, divide, norm};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -25,9 +24,9 @@ const ITERATIONS: usize = 15;
 const CONVERGED: f64 = 1e-3;
 
 /// The equations of the stages.
-struct Stages<'a, S> {
+struct Stages<'a, 's> {
     step: &'a mut Step,
-    field: &'a mut Filippov<S>,
+    field: &'a mut Field<'s>,
     h: f64,
     /// Tolerances of the iteration, absolute and relative: loose ones leave no room for an iteration that is loose, too.
     tolerances: (f64, f64),
@@ -41,7 +40,7 @@ struct Stages<'a, S> {
 type Turning = Vec<(Range<usize>, Range<usize>)>;
 
 /// The stages of a step of length `h`, its end, its continuous extension and its error.
-pub(super) fn attempt<S: Switched>(step: &mut Step, field: &mut Filippov<S>, h: f64, control: Control<'_>) -> Attempt {
+pub(super) fn attempt(step: &mut Step, field: &mut Field<'_>, h: f64, control: Control<'_>) -> Attempt {
     let Some(influence) = field.influence_of_directions((step.t, &step.x), &step.signs[0]) else {
         return Attempt::Unsolvable;
     };
@@ -67,7 +66,7 @@ pub(super) fn attempt<S: Switched>(step: &mut Step, field: &mut Filippov<S>, h: 
     step.judge(field, control, of_state, of_sign)
 }
 
-impl<S: Switched> Stages<'_, S> {
+impl Stages<'_, '_> {
     /// Solves for the directions of all stages; false if the iteration fails, none if something is not finite.
     fn solve(&mut self) -> Option<bool> {
         let n = self.step.x.len();

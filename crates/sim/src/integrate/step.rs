@@ -1,8 +1,7 @@
 //! One step from the present point: its stages, its end, its continuous extension.
 
 use super::dense::{interpolate, node_weights};
-use crate::Switched;
-use crate::friction::{Filippov, Mode};
+use crate::friction::{Field, Mode};
 use crate::settings::Settings;
 
 /// Error allowed in the sticking signs from one order to the other: enough to see every excursion toward ±1.
@@ -69,7 +68,7 @@ impl Step {
     }
 
     /// The first stage at the present point in the present modes; false if nothing holds what should stick.
-    pub(crate) fn start<S: Switched>(&mut self, field: &mut Filippov<S>) -> bool {
+    pub(crate) fn start(&mut self, field: &mut Field<'_>) -> bool {
         field.apply_modes();
         field.hold_departing();
         self.started = field.evaluate((self.t, &self.x), &mut self.k[0]);
@@ -107,9 +106,9 @@ impl Step {
 
     /// The error of the step, scaled by the tolerances: root mean square of those of the states and, if they count, largest of
     /// those of the sticking signs.
-    pub(crate) fn judge<S: Switched>(
+    pub(crate) fn judge(
         &self,
-        field: &Filippov<S>,
+        field: &Field<'_>,
         control: Control<'_>,
         of_state: impl Fn(usize) -> f64,
         of_sign: impl Fn(usize) -> f64,
@@ -145,7 +144,7 @@ impl Step {
     }
 
     /// Goes to the end of the attempted step of length `h`, where what sticks is projected.
-    pub(crate) fn accept<S: Switched>(&mut self, field: &mut Filippov<S>, h: f64) {
+    pub(crate) fn accept(&mut self, field: &mut Field<'_>, h: f64) {
         std::mem::swap(&mut self.x, &mut self.end);
         self.t += h;
         field.project(self.t, &mut self.x);

@@ -5,8 +5,7 @@
 //! direction.
 
 use super::step::Step;
-use crate::Switched;
-use crate::friction::{Filippov, Mode};
+use crate::friction::{Field, Mode};
 
 /// Part of the time to zero that a step may use.
 const SHARE: f64 = 0.9;
@@ -52,9 +51,9 @@ impl Stiffness {
 
     /// How the unit vectors approach zero from the start of a step, whose first stage is known. `length`, which was to be tried
     /// next, shrinks as the nearest comes nearer.
-    pub(crate) fn approach<S: Switched>(
+    pub(crate) fn approach(
         &mut self,
-        field: &mut Filippov<S>,
+        field: &mut Field<'_>,
         step: &Step,
         (remaining, atol): (f64, f64),
         length: &mut f64,
@@ -90,13 +89,7 @@ impl Stiffness {
     }
 
     /// Whether a step of length `h` from the present point, after `attempts` of others, has to be implicit.
-    pub(crate) fn is_stiff<S: Switched>(
-        &mut self,
-        field: &mut Filippov<S>,
-        step: &Step,
-        h: f64,
-        attempts: usize,
-    ) -> bool {
+    pub(crate) fn is_stiff(&mut self, field: &mut Field<'_>, step: &Step, h: f64, attempts: usize) -> bool {
         if field.in_mode(Mode::Sliding).any(|i| field.departing[i]) {
             return true;
         }

@@ -1,7 +1,6 @@
 //! The course of a simulation, recorded: its steps and events.
 
-use crate::Switched;
-use crate::friction::{Filippov, Mode};
+use crate::friction::{Field, Mode};
 use crate::integrate::Step;
 
 /// A piece of a [`Path`].
@@ -30,7 +29,7 @@ pub(crate) struct FieldBefore {
 
 impl FieldBefore {
     /// Where `switch` reaches zero at the start of a step, by the gradients of the last point.
-    pub(crate) fn new<S: Switched>(field: &Filippov<S>, step: &Step, switch: usize) -> Self {
+    pub(crate) fn new(field: &Field<'_>, step: &Step, switch: usize) -> Self {
         let surfaces = &field.surfaces;
         let part = surfaces.parts[switch].clone();
         let weight = |c: usize| if part.len() > 1 { step.signs[0][c] } else { 1.0 };
