@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use bracketry_diagnose::{RecordSettings, read_record};
 use bracketry_system::System;
-use npyz::WriterBuilder;
 use proptest::prelude::*;
 use zip::write::FileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -26,20 +25,36 @@ fn path(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("bracketry-archives-{}-{name}", std::process::id()))
 }
 
-fn store<T: npyz::Serialize + npyz::AutoSerialize + Copy>(
-    npz: &mut ZipWriter<File>,
-    name: &str,
-    shape: &[u64],
-    values: &[T],
-) {
+/// A type of NumPy: its name in the header and its bytes, both in little-endian order.
+trait Number: Copy {
+    const DESCR: &str;
+    fn bytes(self) -> Vec<u8>;
+}
+
+macro_rules! number {
+    ($($type:ty: $descr:literal),*) => {
+        $(impl Number for $type {
+            const DESCR: &str = $descr;
+            fn bytes(self) -> Vec<u8> {
+                self.to_le_bytes().to_vec()
+            }
+        })*
+    };
+}
+number!(f64: "<f8", f32: "<f4", i32: "<i4", u8: "|u1");
+
+/// Writes an array in version 1.0 of NumPy's format.
+fn store<T: Number>(npz: &mut ZipWriter<File>, name: &str, shape: &[u64], values: &[T]) {
     let options = FileOptions::default().compression_method(CompressionMethod::Deflated);
     npz.start_file(format!("{name}.npy"), options).unwrap();
-    let mut array = Vec::new();
-    let builder = npyz::WriteOptions::new().default_dtype().writer(&mut array);
-    let mut writer = builder.shape(shape).begin_nd().unwrap();
-    writer.extend(values.iter().copied()).unwrap();
-    writer.finish().unwrap();
-    npz.write_all(&array).unwrap();
+    let shape: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let header = format!("{{'descr': '{}', 'fortran_order': False, 'shape': ({shape}), }}", T::DESCR);
+    // Magic string, version, length, and header fill whole blocks of 64 bytes.
+    let length = (header.len() + 11).next_multiple_of(64) - 10;
+    npz.write_all(b"\x93NUMPY\x01\x00").unwrap();
+    npz.write_all(&u16::try_from(length).unwrap().to_le_bytes()).unwrap();
+    writeln!(npz, "{header:<width$}", width = length - 1).unwrap();
+    npz.write_all(&values.iter().flat_map(|v| v.bytes()).collect::<Vec<u8>>()).unwrap();
 }
 
 fn archive(name: &str, fill: impl FnOnce(&mut ZipWriter<File>)) -> PathBuf {
