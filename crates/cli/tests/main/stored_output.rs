@@ -4,6 +4,7 @@
 //! ```text
 //! BRACKETRY_WRITE_STORED=1 cargo test --release -p bracketry-cli --test main stored_output::      # writes them anew
 //! BRACKETRY_COMMAND=PATH …                                                                  # with another command
+//! BRACKETRY_FULL_TESTS=1 …                                                                  # also what is slow
 //! ```
 
 use std::env;
@@ -16,7 +17,9 @@ use crate::common::{
     file,
     robots::{log, measurements, unknown},
     root, scratch,
+    tier::is_full,
 };
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde_json::{Map, Value, json};
 
 /// Values that are times of this machine.
@@ -26,6 +29,22 @@ const SAME: f64 = 1e-6;
 /// How much more than stored anything under the key `effort` may be, where it is not so little that a single step makes the difference.
 const BUDGET: f64 = 1.1;
 const FEW: f64 = 3.0;
+/// The models whose analysis takes most of the time of all; the full tier has them too.
+const SLOW_MODELS: [&str; 6] = [
+    "chain_of_five_masses.toml",
+    "chain_of_masses.toml",
+    "plate_point_anisotropic.toml",
+    "plate_point_static_level.toml",
+    "plate_reduced.toml",
+    "race_car.toml",
+];
+/// The same of the problems.
+const SLOW_PROBLEMS: [&str; 4] = [
+    "chain_of_five_masses_rest.toml",
+    "double_pendulum_cart_do_mpc.toml",
+    "polymerization_do_mpc.toml",
+    "race_car_lap.toml",
+];
 
 /// What a command gives: its exit code, with its JSON, or with its message where it refuses.
 fn given(arguments: &[&str], within: &Path) -> Value {
@@ -121,45 +140,63 @@ fn models() -> Vec<String> {
     files(|text| text.contains("\n[dynamics]"))
 }
 
+/// The names without the slow ones, but in the full tier and where results are stored.
+fn usual(mut names: Vec<String>, slow: &[&str]) -> Vec<String> {
+    let all = is_full() || env::var_os("BRACKETRY_WRITE_STORED").is_some();
+    names.retain(|name| all || !slow.contains(&name.as_str()));
+    names
+}
+
+/// Runs something for each name, on all cores.
+fn each(names: Vec<String>, run: impl Fn(&str) -> Value + Sync) -> Map<String, Value> {
+    let results: Vec<(String, Value)> = names.into_par_iter().map(|name| (name.clone(), run(&name))).collect();
+    results.into_iter().collect()
+}
+
 /// Compares named results with the stored ones, or stores them.
 fn compare(name: &str, results: Map<String, Value>) {
+    compare_but(name, results, &[]);
+}
+
+/// [`compare`] where some names may be missing.
+fn compare_but(name: &str, results: Map<String, Value>, missing: &[&str]) {
     let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stored")).join(format!("{name}.json"));
     if env::var_os("BRACKETRY_WRITE_STORED").is_some() {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(&path, serde_json::to_string_pretty(&results).unwrap() + "\n").unwrap();
         return;
     }
-    let stored: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    let mut stored: Map<String, Value> = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    stored.retain(|name, _| results.contains_key(name) || !missing.contains(&name.as_str()));
+    assert_eq!(keys(&stored), keys(&results), "what is stored for {name}");
+    let stored = Value::Object(stored);
     let mut different = Vec::new();
     differences(name, &stored, &Value::Object(results), &mut different);
     assert!(different.is_empty(), "{}", different.join("\n"));
 }
 
-fn on_all_models(command: &str) {
+fn on_all_models(command: &str, slow: &[&str]) {
     let models_folder = root().join("models");
-    let run = |model: String| {
-        let result = given(&[command, &model], &models_folder);
-        (model, result)
-    };
-    compare(command, models().into_iter().map(run).collect());
+    let models = usual(models(), slow);
+    compare_but(command, each(models, |model| given(&[command, model], &models_folder)), slow);
 }
 
 #[test]
 fn analyze_on_every_model() {
-    on_all_models("analyze");
+    on_all_models("analyze", &SLOW_MODELS);
 }
 
 #[test]
 fn affinize_on_every_model() {
-    on_all_models("affinize");
+    on_all_models("affinize", &[]);
 }
 
 /// One second with slow sines at all inputs.
 #[test]
 fn simulate_on_every_model() {
     let dir = scratch("stored_simulate");
-    let run = |model: String| {
-        let text = fs::read_to_string(root().join("models").join(&model)).unwrap();
+    let run = |model: &str| {
+        let text = fs::read_to_string(root().join("models").join(model)).unwrap();
         let table: toml::Table = text.parse().unwrap();
         let inputs = table.get("inputs").and_then(toml::Value::as_array).cloned().unwrap_or_default();
         let mut scenario = "duration = 1.0\nsample = 0.25\n[inputs]\n".to_owned();
@@ -167,32 +204,28 @@ fn simulate_on_every_model() {
             writeln!(scenario, "{} = \"0.1*sin({}*t)\"", input.as_str().unwrap(), k + 2).unwrap();
         }
         let scenario = file(&dir, &format!("of_{model}"), &scenario);
-        let result = given(&["simulate", &model, "--scenario", &scenario], &root().join("models"));
-        (model, result)
+        given(&["simulate", model, "--scenario", &scenario], &root().join("models"))
     };
-    compare("simulate", models().into_iter().map(run).collect());
+    compare("simulate", each(models(), run));
 }
 
 #[test]
 fn control_on_every_problem() {
-    let run = |problem: String| {
-        let result = given(&["control", &problem], &root().join("models"));
-        (problem, result)
-    };
-    compare("control", files(|text| text.contains("\n[horizon]")).into_iter().map(run).collect());
+    let problems = usual(files(|text| text.contains("\n[horizon]")), &SLOW_PROBLEMS);
+    let results = each(problems, |problem| given(&["control", problem], &root().join("models")));
+    compare_but("control", results, &SLOW_PROBLEMS);
 }
 
 /// Two seconds of the published experiments on every model of the contact.
 #[test]
 fn plate_on_every_model_of_the_contact() {
-    let mut results = Map::new();
-    for model in ["published", "point", "reduced", "area", "body"] {
-        for experiment in ["1", "2", "3"] {
-            let arguments = ["plate", experiment, "--model", model, "--seconds", "2", "--sample", "0.02"];
-            results.insert(format!("{model} {experiment}"), given(&arguments, root()));
-        }
-    }
-    compare("plate", results);
+    let models = ["published", "point", "reduced", "area", "body"];
+    let runs = models.iter().flat_map(|model| ["1", "2", "3"].map(|experiment| format!("{model} {experiment}")));
+    let run = |name: &str| {
+        let (model, experiment) = name.split_once(' ').unwrap();
+        given(&["plate", experiment, "--model", model, "--seconds", "2", "--sample", "0.02"], root())
+    };
+    compare("plate", each(runs.collect(), run));
 }
 
 /// A slider with viscous friction in the data and none in the model, and a correct model, from data of a simulation.

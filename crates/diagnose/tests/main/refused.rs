@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::tier::cases;
 use bracketry_diagnose::{Cause, NamedCause, Record, RecordSettings, Settings, diagnose};
 use bracketry_system::System;
 use bracketry_trials::{Choice, SliderSensors, SliderTrial};
@@ -60,7 +61,7 @@ fn friction_that_drives_is_not_named() {
     let system = System::parse("mass.toml", text).unwrap();
     let dissipations = [Cause::ViscousFriction, Cause::QuadraticDrag, Cause::CoulombFriction, Cause::YawFriction];
     let mut random = StdRng::seed_from_u64(11);
-    for seed in 0..3 {
+    for seed in 0..cases(1, 3) {
         let truth = (random.random_range(0.9..1.1), random.random_range(0.45..0.55), random.random_range(0.1..0.3));
         let record = driven(&system, truth, seed);
         let report = diagnose(&system, &[record], &[], &Settings::default(), &mut |_| ()).unwrap();

@@ -1,5 +1,6 @@
 //! The rigid body on the plate against closed-form answers of mechanics.
 
+use crate::tier::cases;
 use bracketry_plate::{
     AreaContact, AreaSettings, BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, Friction, Object,
     ObjectMode, ObjectOnPlate, PlateError, PlateFrame, PlateKinematics, RigidState, Shape,
@@ -467,11 +468,14 @@ fn states_and_settings_without_meaning_are_refused_with_the_reason() {
 #[test]
 fn random_objects_run_to_an_end_or_are_refused_with_the_reason() {
     let outcomes: Vec<_> =
-        (1..=300_u64).into_par_iter().map(|seed| (seed, crate::random_object::run(seed, 0.1))).collect();
+        (1..=cases(100, 300_u64)).into_par_iter().map(|seed| (seed, crate::random_object::run(seed, 0.1))).collect();
     for (seed, outcome) in &outcomes {
         assert_eq!(outcome.fault, None, "seed {seed}: {}", outcome.kind);
         assert_eq!(outcome.refused, outcome.impossible, "seed {seed}: {}", outcome.kind);
     }
-    assert!(outcomes.iter().any(|(_, o)| o.refused) && outcomes.iter().map(|(_, o)| o.events).sum::<usize>() > 100);
-    assert!(outcomes.iter().map(|(_, o)| o.unresolved).sum::<usize>() < 3000);
+    assert!(
+        outcomes.iter().any(|(_, o)| o.refused)
+            && outcomes.iter().map(|(_, o)| o.events).sum::<usize>() > outcomes.len() / 3
+    );
+    assert!(outcomes.iter().map(|(_, o)| o.unresolved).sum::<usize>() < 10 * outcomes.len());
 }

@@ -1,6 +1,10 @@
 //! The tests of this crate: one program, a module for each topic.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../../../tests/main/common/tier.rs"]
+#[allow(dead_code)]
+mod tier;
+
 mod area;
 mod area_laws;
 mod bearing;

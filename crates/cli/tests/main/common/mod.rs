@@ -7,6 +7,8 @@ pub(crate) mod known_answers;
 pub(crate) mod robots;
 #[path = "../../../../../tests/main/common/sessions.rs"]
 pub(crate) mod sessions;
+#[path = "../../../../../tests/main/common/tier.rs"]
+pub(crate) mod tier;
 
 use std::fs;
 use std::path::{Path, PathBuf};
