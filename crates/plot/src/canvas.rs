@@ -5,6 +5,7 @@
 //! of a stroke width names the dash pattern, put in when the document is finished, and every text is placed by its
 //! base line.
 
+use std::cell::RefCell;
 use std::fmt::Write as _;
 
 use plotters::coord::Shift;
@@ -17,6 +18,7 @@ use plotters::style::{FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor,
 use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result};
+use crate::glyphs::PlacedText;
 use crate::text::{FAMILY, SIZE};
 
 /// Back-end units per figure pixel: stroke widths in quarters of a pixel are multiples of ten.
@@ -114,6 +116,8 @@ impl Look {
 /// The sheet that figures are drawn on.
 pub(crate) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
+    /// What a raster image draws itself.
+    texts: RefCell<Vec<PlacedText>>,
 }
 
 /// Draws on a white sheet of `width` × `height` pixels.
@@ -124,15 +128,16 @@ pub(crate) fn paint(width: f64, height: f64, draw: impl FnOnce(&Canvas) -> Resul
     }
     let units = UNITS as u32;
     let mut svg = String::new();
-    {
+    let texts = {
         let backend = SVGBackend::with_string(&mut svg, (width * units, height * units));
-        let canvas = Canvas { area: backend.into_drawing_area() };
+        let canvas = Canvas { area: backend.into_drawing_area(), texts: RefCell::default() };
         let page = Rect { left: 0.0, top: 0.0, right: f64::from(width), bottom: f64::from(height) };
         canvas.rect(page, Color(255, 255, 255))?;
         draw(&canvas)?;
         canvas.area.present()?;
-    }
-    Ok(Drawing::new(finish(&svg, width, height), width, height))
+        canvas.texts.into_inner()
+    };
+    Ok(Drawing::new(finish(&svg, width, height), texts, width, height))
 }
 
 /// How a stroke width stands in the document.
@@ -284,6 +289,7 @@ impl Canvas<'_> {
             .chars()
             .map(|c| if c.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&c) { ' ' } else { c })
             .collect();
+        self.texts.borrow_mut().push(PlacedText { text: clean.clone(), at, align, look });
         let up = TOP_TO_BASE * look.size;
         let (at, turn) = if look.upright {
             ((at.0 - up, at.1), FontTransform::Rotate270)

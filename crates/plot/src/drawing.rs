@@ -1,16 +1,17 @@
-//! A finished figure: the SVG, and the PNG rendered from that very SVG.
+//! A finished figure: the SVG, and the PNG rendered from that very SVG, with its texts in the embedded font.
 
 use std::path::{Path, PathBuf};
 
 use resvg::{tiny_skia, usvg};
 
 use crate::error::{PlotError, Result};
-use crate::text;
+use crate::glyphs::{self, PlacedText};
 
 /// A finished figure.
 #[derive(Debug, Clone)]
 pub struct Drawing {
     svg: String,
+    texts: Vec<PlacedText>,
     width: u32,
     height: u32,
 }
@@ -28,8 +29,8 @@ impl Drawing {
     /// PNG pixels per figure pixel.
     pub const PNG_SCALE: u32 = 2;
 
-    pub(crate) fn new(svg: String, width: u32, height: u32) -> Self {
-        Self { svg, width, height }
+    pub(crate) fn new(svg: String, texts: Vec<PlacedText>, width: u32, height: u32) -> Self {
+        Self { svg, texts, width, height }
     }
 
     /// The SVG document.
@@ -54,16 +55,13 @@ impl Drawing {
 
     /// The image with `scale` pixels per figure pixel.
     pub(crate) fn pixmap(&self, scale: u32) -> Result<tiny_skia::Pixmap> {
-        let options = usvg::Options {
-            fontdb: text::font_database(),
-            font_family: "DejaVu Sans".to_owned(),
-            ..usvg::Options::default()
-        };
-        let tree = usvg::Tree::from_str(&self.svg, &options)?;
+        // Texts are left out here, and drawn on top.
+        let tree = usvg::Tree::from_str(&self.svg, &usvg::Options::default())?;
         let (width, height) = (self.width * scale, self.height * scale);
         let mut pixmap = tiny_skia::Pixmap::new(width, height).ok_or(PlotError::TooLarge { width, height })?;
         let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
         resvg::render(&tree, transform, &mut pixmap.as_mut());
+        glyphs::draw(&self.texts, &mut pixmap, scale);
         Ok(pixmap)
     }
 

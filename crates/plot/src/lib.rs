@@ -30,6 +30,7 @@ mod drawing;
 mod error;
 mod field;
 mod gif_images;
+mod glyphs;
 mod heat_map;
 mod interval_chart;
 mod legend;

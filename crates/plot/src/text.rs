@@ -1,12 +1,6 @@
 //! The embedded font: widths of texts and their breaking into lines.
 
-use std::sync::{Arc, OnceLock};
-
-use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
-use resvg::usvg::fontdb;
-
-static REGULAR: &[u8] = include_bytes!("../assets/DejaVuSans-subset.ttf");
-static BOLD: &[u8] = include_bytes!("../assets/DejaVuSans-Bold-subset.ttf");
+use crate::glyphs;
 
 /// The font family as written into the SVG: the embedded font first, for viewers without it any sans serif.
 pub(crate) const FAMILY: &str = "DejaVu Sans, sans-serif";
@@ -18,41 +12,12 @@ pub(crate) const TITLE_SIZE: f64 = 17.0;
 /// Distance between the lines of a text, as a multiple of its size.
 pub(crate) const LEADING: f64 = 1.3;
 
-/// Height that the font's own metrics give an em (ascent 0.928, descent 0.236), by which the measuring library
-/// scales.
-const HEIGHT_PER_EM: f64 = 1.164;
-
 /// Characters of a text beyond which the rest is ignored.
 const LONGEST: usize = 1000;
 
-/// The fonts that rasterizing uses: only the embedded ones, so that a figure looks the same on every machine.
-pub(crate) fn font_database() -> Arc<fontdb::Database> {
-    static DATABASE: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
-    let build = || {
-        let mut database = fontdb::Database::new();
-        for data in [REGULAR, BOLD] {
-            database.load_font_source(fontdb::Source::Binary(Arc::new(data)));
-        }
-        database.set_sans_serif_family("DejaVu Sans");
-        Arc::new(database)
-    };
-    DATABASE.get_or_init(build).clone()
-}
-
 /// Width of one line of text in pixels at font size `size`.
 pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
-    static REGISTERED: OnceLock<bool> = OnceLock::new();
-    let registered = *REGISTERED.get_or_init(|| {
-        register_font(FAMILY, FontStyle::Normal, REGULAR).is_ok()
-            && register_font(FAMILY, FontStyle::Bold, BOLD).is_ok()
-    });
-    // Widths come back as whole numbers, so measure large and scale down.
-    let style = if bold { FontStyle::Bold } else { FontStyle::Normal };
-    let font = FontDesc::new(FontFamily::Name(FAMILY), 1000.0 * HEIGHT_PER_EM, style);
-    match font.box_size(text) {
-        Ok((w, _)) if registered => f64::from(w) / 1000.0 * size,
-        _ => 0.65 * size * text.chars().count() as f64,
-    }
+    glyphs::width(text, size, bold).unwrap_or_else(|| 0.65 * size * text.chars().count() as f64)
 }
 
 /// Breaks `text` into at most `max_lines` lines no wider than `available`, at spaces where possible; what does
