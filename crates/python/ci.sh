@@ -13,7 +13,7 @@ if [ ! -x "$python" ]; then
 fi
 "$python" -m pip install --quiet --disable-pip-version-check --requirement crates/python/requirements-ci.txt
 # The wheel is built by the maturin of the environment, so that nothing but what is pinned takes part.
-PATH=$environment/bin:$PATH CARGO_TARGET_DIR=$target MATURIN_PEP517_ARGS="--profile $profile" \
+PATH=$environment/bin:$PATH CARGO_TARGET_DIR=$target MATURIN_PEP517_ARGS="--profile $profile --features native" \
     "$python" -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall .
 "$python" -m mypy
 "$python" -m mypy.stubtest bracketry._native --mypy-config-file pyproject.toml
