@@ -19,6 +19,7 @@ use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result};
 use crate::glyphs::PlacedText;
+pub(crate) use crate::glyphs::{Align, Look};
 use crate::text::{FAMILY, SIZE};
 
 /// Back-end units per figure pixel: stroke widths in quarters of a pixel are multiples of ten.
@@ -73,14 +74,6 @@ impl Stroke {
     }
 }
 
-/// Which point of a text its position means.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Align {
-    Left,
-    Center,
-    Right,
-}
-
 /// A rectangle in figure pixels, y downwards.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rect {
@@ -98,15 +91,6 @@ impl Rect {
     pub(crate) fn height(&self) -> f64 {
         self.bottom - self.top
     }
-}
-
-/// Size, weight and direction of a text.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Look {
-    pub(crate) size: f64,
-    pub(crate) bold: bool,
-    /// Read from bottom to top.
-    pub(crate) upright: bool,
 }
 
 impl Look {

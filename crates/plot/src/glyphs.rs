@@ -8,7 +8,6 @@ use std::sync::OnceLock;
 use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point, Rect};
 use resvg::tiny_skia::{FillRule, Paint, Path, PathBuilder, Pixmap, Transform};
 
-use crate::canvas::{Align, Look};
 use crate::color::Color;
 
 static REGULAR: &[u8] = include_bytes!("../assets/DejaVuSans-subset.ttf");
@@ -16,6 +15,23 @@ static BOLD: &[u8] = include_bytes!("../assets/DejaVuSans-Bold-subset.ttf");
 
 /// Height of the letter x, for which the font's combining marks are made, in parts of an em.
 const X_HEIGHT: f32 = 0.547;
+
+/// Which point of a text its position means.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Align {
+    Left,
+    Center,
+    Right,
+}
+
+/// Size, weight and direction of a text.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Look {
+    pub(crate) size: f64,
+    pub(crate) bold: bool,
+    /// Read from bottom to top.
+    pub(crate) upright: bool,
+}
 
 /// One line of text where it stands, in figure pixels.
 #[derive(Debug, Clone)]
