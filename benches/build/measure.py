@@ -69,7 +69,7 @@ def by_crate(target: pathlib.Path, most: int) -> list[tuple[str, float]]:
 
 def release(target: pathlib.Path, rows: list[str], details: list[str]) -> None:
     """The command, cold."""
-    elapsed, processor, _ = run(["cargo", "build", "--release", "--locked", "--timings", "-p", "bracketry-cli"], target)
+    elapsed, processor, _ = run(["cargo", "build", "--release", "--locked", "--timings"], target)
     size = (target / "release/bracketry").stat().st_size / 1e6
     _, _, tree = run(["cargo", "tree", "--locked", "-p", "bracketry-cli", "-e", "normal,build", "--prefix", "none"], target)
     crates = len({line.split(" (")[0] for line in tree.splitlines() if line})
@@ -102,13 +102,14 @@ def research(target: pathlib.Path, rows: list[str], _: list[str]) -> None:
 
 
 def tests(target: pathlib.Path, rows: list[str], details: list[str]) -> None:
-    """The tests, cold: built and run."""
-    elapsed, processor, text = run(["cargo", "test", "--workspace", "--locked", "--no-run", "--timings"], target)
+    """The tests, cold: built and run, as .ci/run does."""
+    plain = {"CARGO_PROFILE_DEV_DEBUG": "0"}
+    elapsed, processor, text = run(["cargo", "test", "--workspace", "--locked", "--no-run", "--timings"], target, **plain)
     programs = len(re.findall(r"Executable tests/", text))
     rows += [f"| cold build of all tests | {elapsed:.0f} s | {processor:.0f} s |"]
     details += ["Of the tests:", "", "| crate and program | seconds |", "|---|---|"]
     details += [f"| {name} | {seconds:.0f} |" for name, seconds in by_crate(target, 20)] + [""]
-    elapsed, processor, text = run(["cargo", "test", "--workspace", "--locked"], target)
+    elapsed, processor, text = run(["cargo", "test", "--workspace", "--locked"], target, **plain)
     passed = sum(int(n) for n in re.findall(r"test result: ok\. (\d+) passed", text))
     rows += [f"| running {passed} tests, {programs} programs | {elapsed:.0f} s | {processor:.0f} s |"]
 

@@ -5,7 +5,6 @@
 #[allow(dead_code)]
 mod common;
 #[path = "../../../tests/main/common/tier.rs"]
-#[allow(dead_code)]
 mod tier;
 
 use bracketry_lie::{Evidence, Options, analyze_affine};

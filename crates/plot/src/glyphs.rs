@@ -86,9 +86,7 @@ fn outlines(glyphs: &[(GlyphId, Point)], font: &FontRef<'_>) -> Option<Path> {
         let mut pen: Option<Point> = None;
         for curve in font.outline(id).map(|outline| outline.curves).unwrap_or_default() {
             let (start, end) = match &curve {
-                OutlineCurve::Line(a, b) => (*a, *b),
-                OutlineCurve::Quad(a, _, b) => (*a, *b),
-                OutlineCurve::Cubic(a, _, _, b) => (*a, *b),
+                OutlineCurve::Line(a, b) | OutlineCurve::Quad(a, _, b) | OutlineCurve::Cubic(a, _, _, b) => (*a, *b),
             };
             if pen != Some(start) {
                 path.close();

@@ -1,5 +1,8 @@
 //! How much a test does. `BRACKETRY_FULL_TESTS=1 cargo test --workspace` does all of it.
 
+// A program of tests may use one of these only.
+#![allow(dead_code)]
+
 /// The usual number of cases (or a list of them), or all of them in the full tier.
 pub(crate) fn cases<T>(usual: T, all: T) -> T {
     if is_full() { all } else { usual }

@@ -47,7 +47,8 @@ number!(f64: "<f8", f32: "<f4", i32: "<i4", u8: "|u1");
 fn store<T: Number>(npz: &mut ZipWriter<File>, name: &str, shape: &[u64], values: &[T]) {
     let options = FileOptions::default().compression_method(CompressionMethod::Deflated);
     npz.start_file(format!("{name}.npy"), options).unwrap();
-    let shape: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    // A comma after each length, for a tuple of one has one too.
+    let shape = shape.iter().fold(String::new(), |shape, n| shape + &n.to_string() + ", ");
     let header = format!("{{'descr': '{}', 'fortran_order': False, 'shape': ({shape}), }}", T::DESCR);
     // Magic string, version, length, and header fill whole blocks of 64 bytes.
     let length = (header.len() + 11).next_multiple_of(64) - 10;

@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 #[path = "../../../../tests/main/common/tier.rs"]
-#[allow(dead_code)]
 mod tier;
 
 mod area;
