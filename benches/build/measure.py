@@ -68,8 +68,8 @@ def by_crate(target: pathlib.Path, most: int) -> list[tuple[str, float]]:
 
 
 def release(target: pathlib.Path, rows: list[str], details: list[str]) -> None:
-    """The command, cold."""
-    elapsed, processor, _ = run(["cargo", "build", "--release", "--locked", "--timings"], target)
+    """The command, cold, as `cargo run --release` builds it."""
+    elapsed, processor, _ = run(["cargo", "build", "--release", "--locked", "--bin", "bracketry", "--timings"], target)
     size = (target / "release/bracketry").stat().st_size / 1e6
     _, _, tree = run(["cargo", "tree", "--locked", "-p", "bracketry-cli", "-e", "normal,build", "--prefix", "none"], target)
     crates = len({line.split(" (")[0] for line in tree.splitlines() if line})
