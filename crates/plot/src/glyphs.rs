@@ -5,7 +5,7 @@
 
 use std::sync::OnceLock;
 
-use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point, Rect};
+use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point};
 use resvg::tiny_skia::{FillRule, Paint, Path, PathBuilder, Pixmap, Transform};
 
 use crate::color::Color;
@@ -53,18 +53,21 @@ fn font(bold: bool) -> Option<&'static FontRef<'static>> {
 /// The glyphs of a line with their distances from its start and from the base line, in parts of an em, and its width.
 fn line(text: &str, font: &FontRef<'_>) -> (Vec<(GlyphId, Point)>, f32) {
     let em = font.units_per_em().unwrap_or(1.0);
+    let bounds = |id: GlyphId| font.outline(id).map(|outline| outline.bounds);
     let (mut glyphs, mut x) = (Vec::new(), 0.0);
-    let mut letter: Option<(Rect, f32)> = None;
+    let mut letter: Option<(GlyphId, f32)> = None;
     for c in text.chars() {
         let id = font.glyph_id(c);
-        let bounds = font.outline(id).map(|outline| outline.bounds);
         let mut at = Point { x, y: 0.0 };
-        if let (true, Some(mark), Some((base, start))) = (('\u{300}'..='\u{36f}').contains(&c), bounds, letter) {
+        if ('\u{300}'..='\u{36f}').contains(&c)
+            && let Some((below, start)) = letter
+            && let (Some(base), Some(mark)) = (bounds(below), bounds(id))
+        {
             at.x = start + (base.min.x + base.max.x - mark.min.x - mark.max.x) / (2.0 * em);
             // Upwards is positive in the font, whose bounds name the upper corner first.
             at.y = (base.min.y.max(base.max.y) / em - X_HEIGHT).max(0.0);
         } else {
-            letter = bounds.map(|bounds| (bounds, x));
+            letter = Some((id, x));
             x += font.h_advance_unscaled(id) / em;
         }
         glyphs.push((id, at));
