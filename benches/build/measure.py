@@ -136,7 +136,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="bracketry-build-") as folder:
         for name in options.only:
             MEASURES[name](pathlib.Path(folder), rows, details)
-    made = f"Made at commit {git('rev-parse', '--short=12', 'HEAD')} by `python3 benches/build/measure.py --record`, {os.cpu_count()} cores."
+    made = f"Made at commit {git('rev-parse', '--short=12', 'HEAD')} by `{' '.join(['python3 benches/build/measure.py', *sys.argv[1:]])}`, {os.cpu_count()} cores."
     tables = "\n".join([made, "", *rows, "", *details]).rstrip()
     print(tables)
     if options.record:
