@@ -244,7 +244,7 @@ def main():
     arguments = parser.parse_args()
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     python = arguments.python or interpreter(target)
-    cargo = ["cargo", "bench", "-q", "--bench", "peers"]
+    cargo = ["cargo", "bench", "-q", "--features", "native", "--bench", "peers"]
     subprocess.run([*cargo, "--no-run"], check=True, cwd=ROOT)
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
