@@ -7,6 +7,7 @@
 
 mod analysis;
 mod certificates;
+mod command;
 mod compensator;
 mod control;
 mod diagnosis;
@@ -36,6 +37,8 @@ mod _native {
     use super::analysis::{affinize, analyze};
     #[pymodule_export]
     use super::certificates::{certify, check_certificate};
+    #[pymodule_export]
+    use super::command::run_command;
     #[pymodule_export]
     use super::compensator::{CompensationStep, Compensator};
     #[pymodule_export]

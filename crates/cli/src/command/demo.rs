@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use bracketry_cli::demo::{Finding, MoveOnEquations, MoveOnPlant, Story, StoryEvent, StorySettings};
+use crate::demo::{Finding, MoveOnEquations, MoveOnPlant, Story, StoryEvent, StorySettings};
 use clap::Args;
 use rayon::prelude::*;
 

@@ -1,5 +1,7 @@
 //! Subcommands: arguments in, report out, exit code by outcome.
 
+use std::ffi::OsString;
+
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -183,8 +185,8 @@ impl Command {
 ///
 /// # Errors
 /// What is wrong with it, and help where that was asked for.
-pub(crate) fn parse() -> Result<Cli, clap::Error> {
-    Cli::try_parse().map_err(|mut e| {
+pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    Cli::try_parse_from(arguments).map_err(|mut e| {
         // A file where the command belongs.
         if e.kind() == ErrorKind::InvalidSubcommand
             && let Some(ContextValue::String(word)) = e.get(ContextKind::InvalidSubcommand)

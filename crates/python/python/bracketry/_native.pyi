@@ -32,6 +32,7 @@ __all__ = [
     "steer",
     "parameter_cases",
     "parameter_map",
+    "run_command",
     "run_plate",
     "simulate",
     "transform",
