@@ -1,4 +1,4 @@
-#![doc = include_str!("../README.md")]
+#![doc = include_str!("../crates/README.md")]
 
 #[cfg(feature = "certify")]
 pub use bracketry_certify as certify;
@@ -38,47 +38,27 @@ pub use bracketry_report::{Diagnosis, Figure, RankChange, Ranks, friction_bands,
 pub use bracketry_sim::{Breakdown, ExactPlant, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
 pub use bracketry_system::{PointError, point};
 
-/// From installation to a result on a system of one's own, in ten minutes.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/getting_started.md")]
-pub mod getting_started {}
-
-/// A tutorial: from two equations to a verdict, and from there to the plate.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/tutorial.md")]
-pub mod tutorial {}
-
-/// Model-predictive control of a model of one's own, from a problem file and from Rust.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/mpc.md")]
-pub mod control_guide {}
-
-/// Controllers for a plant of one's own: from Rust, from Python, and over a pipe.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/live.md")]
-pub mod live_guide {}
-
-/// Lyapunov functions, regions of attraction, passivity, and conserved functions, with certificates.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/certify.md")]
-pub mod certificates_guide {}
-
-/// From measured data to the named cause: a guide.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/diagnose.md")]
-pub mod diagnose_guide {}
-
-/// Verdicts by cases of parameters: special values, and maps over two of them.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/parameters.md")]
-pub mod parameters_guide {}
-
-/// The equations of a model as source code.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/export.md")]
-pub mod export_guide {}
-
-/// Identifiability in full.
-#[cfg(feature = "report")]
-#[doc = include_str!("../docs/identifiability.md")]
-pub mod identifiability_guide {}
+/// Programs in the documents of the repository are tested with those of the crate.
+#[cfg(all(doctest, feature = "report"))]
+mod documents {
+    #[doc = include_str!("../README.md")]
+    struct Readme;
+    #[doc = include_str!("../docs/getting_started.md")]
+    struct GettingStarted;
+    #[doc = include_str!("../docs/tutorial.md")]
+    struct Tutorial;
+    #[doc = include_str!("../docs/mpc.md")]
+    struct Mpc;
+    #[doc = include_str!("../docs/live.md")]
+    struct Live;
+    #[doc = include_str!("../docs/certify.md")]
+    struct Certify;
+    #[doc = include_str!("../docs/diagnose.md")]
+    struct Diagnose;
+    #[doc = include_str!("../docs/parameters.md")]
+    struct Parameters;
+    #[doc = include_str!("../docs/export.md")]
+    struct Export;
+    #[doc = include_str!("../docs/identifiability.md")]
+    struct Identifiability;
+}
