@@ -11,7 +11,7 @@ fn documents() -> Vec<(PathBuf, String)> {
     let root = Path::new(ROOT);
     let listed = ["docs", "docs/records"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
     let listed = listed.map(|entry| entry.unwrap().path());
-    let files = listed.chain(["README.md", "CHANGELOG.md", "CONTRIBUTING.md"].map(|name| root.join(name)));
+    let files = listed.chain(["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "CODE_OF_CONDUCT.md"].map(|name| root.join(name)));
     let files = files.filter(|path| path.extension().is_some_and(|e| e == "md"));
     files.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
@@ -64,6 +64,41 @@ fn every_link_leads_to_a_file_and_to_a_heading_in_it() {
         }
     }
     assert!(links > 60, "{links}");
+}
+
+#[test]
+fn a_document_that_names_the_publication_cites_it_or_a_guide_that_does() {
+    let cites = |text: &str| text.contains("Momeni Kelageri");
+    let guides = ["README.md", "plate.md", "stiffness.md"];
+    let mut naming = 0;
+    for (path, text) in documents() {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let named = ["published model", "published experiment", "published method", "published equations", "the publication"];
+        if path.ends_with("CHANGELOG.md") || !named.iter().any(|words| text.contains(words)) {
+            continue;
+        }
+        let guide = guides.iter().any(|guide| text.contains(&format!("{guide})")) || text.contains(&format!("{guide}#")));
+        assert!(cites(&text) || guide, "{}", path.display());
+        assert!(cites(&text) || !(guides.contains(&name) && !path.ends_with("docs/README.md")), "{}", path.display());
+        naming += 1;
+    }
+    assert!(naming > 8, "{naming}");
+    for model in ["plate_published", "plate_published_disk"] {
+        assert!(cites(&fs::read_to_string(Path::new(ROOT).join(format!("models/{model}.toml"))).unwrap()), "{model}");
+    }
+}
+
+/// The short report on the first screen is a part of what the command prints.
+#[test]
+fn the_report_in_the_readme_is_that_of_the_command() {
+    let readme = fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();
+    let shown = readme.split("$ bracketry analyze models/unicycle.toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let printed = bracketry(&["analyze", &Path::new(ROOT).join("models/unicycle.toml").display().to_string()]);
+    let printed = String::from_utf8(printed.stdout).unwrap();
+    assert_eq!(shown.lines().count(), 4);
+    for line in shown.lines() {
+        assert!(printed.lines().any(|l| l == line), "{line}");
+    }
 }
 
 #[test]
