@@ -46,7 +46,7 @@ class Result:
     status: str
     #: Error at the end.
     error: list[float]
-    #: Friction coefficient that the controller believed in at the end.
+    #: Friction coefficient assumed by the controller at the end.
     believed: float
     #: Moves of the plate from rest to rest.
     moves: int

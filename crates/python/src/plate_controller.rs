@@ -38,7 +38,7 @@ pub(crate) struct PlateStep {
     status: &'static str,
     /// Estimated state of the object: x, y (m), yaw (rad) and their rates.
     estimate: Option<[f64; 6]>,
-    /// Friction coefficient that is believed in.
+    /// Assumed friction coefficient.
     mu: f64,
     /// What has been learned, by name: value and standard deviation.
     learned: BTreeMap<&'static str, (f64, f64)>,

@@ -122,7 +122,7 @@ impl HallAlgebra {
     }
 
     /// Flows of single input fields whose product is S, up to the degree: for each length the elements that are still
-    /// missing, as iterated commutators, whose longer parts are made up for later.
+    /// missing, as iterated commutators, whose higher-order parts are compensated later.
     pub(crate) fn flows(&self, target: &Series) -> Option<Vec<Step>> {
         let mut steps: Vec<Step> = Vec::new();
         let mut so_far = Series::one(self.letters, self.degree);

@@ -21,7 +21,7 @@ const MAX_NODES: usize = 50_000;
 /// Let r be the generic rank of ∂f/∂u, and take r rows of it and r columns C that are independent. If f = a(x) + B(x)
 /// w(x, u) with independent w_1 … w_r, every row of f is a function of x plus a combination, with coefficients M(x), of
 /// the chosen rows f_R; then M = ∂f/∂u_C (∂f_R/∂u_C)⁻¹ does not depend on u and may be taken at any u_0, and w = f_R
-/// does. So the change exists exactly if f − M f_R, with M taken at u_0, is free of u. (The affine hull of the
+/// does. So the change exists if and only if f − M f_R, with M taken at u_0, is free of u. (The affine hull of the
 /// velocities f(x, ·) then has dimension r.)
 pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     let inputs = system.inputs.clone();

@@ -111,7 +111,7 @@ pub(crate) fn eliminate_algebraic(
             system.eliminated.push(Eliminated::Variable { name });
         }
     }
-    // The equations that are left determine the variables that are left together; which is beside which is of no importance.
+    // The equations that are left determine the variables that are left together; the order does not matter.
     for (&symbol, &(_, residual)) in solution.unknowns.iter().zip(&solution.open) {
         let guess = equations.iter().find(|e| e.variable.symbol == symbol).map(|e| e.variable.guess);
         let guess = guess.unwrap_or_else(|| pool.int(0));

@@ -43,7 +43,7 @@ struct Case {
     pushed: Option<[f64; 2]>,
 }
 
-/// Friction that is believed in.
+/// Assumed friction.
 const BELIEVED: f64 = 0.3;
 
 fn cases() -> Vec<Case> {

@@ -102,7 +102,7 @@ settings! {
 
     /// Which candidates are fitted and selected.
     SelectionSettings {
-        /// Single candidates are fitted exactly if they promise at least this share of what the best one promises.
+        /// Single candidates are fitted if and only if they promise at least this share of what the best one promises.
         near_best: f64 = 0.5,
         /// Most exact fits of singles per round.
         most_single_fits: usize = 5,
@@ -114,7 +114,7 @@ settings! {
         shortlist: usize = 25,
         /// Share of the excess of the named causes that terms without a name must remove.
         substantial: f64 = 0.2,
-        /// Beyond the first few, single terms are fitted exactly if they promise at least this share of what the best one promises.
+        /// Beyond the first few, single terms are fitted if and only if they promise at least this share of what the best one promises.
         near_best_term: f64 = 0.8,
         /// Most exact fits of single terms.
         most_terms_alone: usize = 8,

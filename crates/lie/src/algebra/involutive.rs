@@ -14,7 +14,7 @@ use crate::undecided::Undecided;
 /// The involutive closure of the distribution spanned by `fields` at a generic point.
 ///
 /// `growth` is that of the derived flag, Δ_0 = span and Δ_{k+1} = Δ_k + [Δ_k, Δ_k] (Frobenius:
-/// Δ_k is integrable exactly if the flag ends there). Since `[aX, bY] = ab[X, Y] + …` with the
+/// Δ_k is integrable if and only if the flag ends there). Since `[aX, bY] = ab[X, Y] + …` with the
 /// rest in Δ_k, brackets of the fields of a basis suffice, and those of older fields lie in Δ_k.
 /// In `words` the fields have the numbers 1, 2, …
 ///

@@ -14,7 +14,7 @@
 //! `g_j` differentiate by `u_j`, and brackets of fields along x leave u alone. So besides the `∂/∂u_j` the Lie algebra of
 //! {F, `g_j`} consists of brackets of derivatives ∂^α f(·, u) at one u. These are the Taylor coefficients, at equal
 //! arguments, of the same brackets of f(·, u¹), f(·, u²), …; a covector annihilates all coefficients of an analytic function
-//! exactly if it annihilates the function. Hence dim `L_aug`(x, u) = dim L(x) + m for m inputs with an integrator, and, with
+//! if and only if it annihilates the function. Hence dim `L_aug`(x, u) = dim L(x) + m for m inputs with an integrator, and, with
 //! |α| ≥ 1 in at least one factor, dim `S_aug`(x, u) = dim S(x) + m. A longer chain of integrators adds its length, by one
 //! bracket with the drift for each.
 //!

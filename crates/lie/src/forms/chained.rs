@@ -99,7 +99,7 @@ impl VectorFields {
     /// Chained forms of x' = g1 u1 + g2 u2 near generic points; `known` are functions to try first, such as the outputs of the
     /// model.
     ///
-    /// There is one just if the derived flag has dimensions 2, 3, …, n. Then z1 and zn are two functions whose differentials
+    /// There is one if and only if the derived flag has dimensions 2, 3, …, n. Then z1 and zn are two functions whose differentials
     /// have rank one on E(n−3) (Murray and Sastry 1993, prop. 7; Li and Respondek 2012), and each z(k−1) is dzk/dz1 along the
     /// motion. Functions are sought among `known`, the states, and first integrals.
     ///

@@ -132,7 +132,7 @@ impl LiveController {
     }
 
     /// As [`LiveController::step`], for a measurement taken at the time `t` (s) on the caller's clock, whose first time is that of
-    /// the next sample. Times are rounded to samples. Samples that have passed without a measurement are made up for.
+    /// the next sample. Times are rounded to samples. Samples that have passed without a measurement are compensated.
     ///
     /// # Errors
     /// If `y` has the wrong length; [`MpcError::Time`] if `t` is not finite, belongs to a sample that has been answered, or lies

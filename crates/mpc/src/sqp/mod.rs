@@ -11,7 +11,7 @@
 //!   is enough to be near the solution. Each program has a proximal term λ/2 ‖Δ/trust‖², and the whole step is taken when the
 //!   exact ℓ₁ merit function falls by enough of what the program predicted, else λ grows (Levenberg–Marquardt with slacks: the
 //!   program is always feasible). On the plate the filter method alone takes more
-//!   programs, and feedback along its plans made up for less of a wrong friction coefficient.
+//!   programs, and feedback along its plans compensated less of a wrong friction coefficient.
 //!
 //! The example `random_starts` counts programs: the guarded iteration solves all of its moves of the plate, but a cart-pole
 //! with dry friction from 2 of 30 starts alone, and from 27 with the filter method after it.

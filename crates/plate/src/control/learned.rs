@@ -14,7 +14,7 @@ pub(super) const LATENCY: usize = 4;
 const BOUNDS: [[f64; 2]; PARAMETERS] = [[-2.996, 0.182], [-1.05, 0.531], [-0.025, 0.025], [-0.025, 0.025], [0.0, 0.08]];
 
 /// How uncertain a controller is at first about what it can learn, as standard deviations; 0 for what is known exactly. What
-/// motion does not show stays as it is believed at first: bearing and center of mass of the object, no latency.
+/// motion does not show stays as assumed at first: bearing and center of mass of the object, no latency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertainty {
     /// Of the scale of the bearing, as a share of it: how far out the pressure stands, and with it friction against the spin.
@@ -51,7 +51,7 @@ pub struct Estimate {
 pub struct Learned {
     /// Friction coefficient.
     pub mu: Estimate,
-    /// Scale of the bearing relative to the one that is believed in at first.
+    /// Scale of the bearing relative to the one assumed at first.
     pub scale: Estimate,
     /// Center of mass from the center of the shape, along the object's own axes, in m.
     pub center_of_mass: [Estimate; 2],
@@ -64,7 +64,7 @@ pub struct Learned {
 /// Values of the parameters.
 pub(super) type Parameters = [f64; PARAMETERS];
 
-/// The parameters that are believed in at first.
+/// The parameters assumed at first.
 pub(super) fn first_belief(object: &Object, mu: f64) -> Parameters {
     let [x, y] = object.center_of_mass;
     [mu.max(1e-3).ln(), 0.0, x, y, 0.0]
@@ -81,7 +81,7 @@ pub(super) fn object_of(first: &Object, parameters: &Parameters) -> (Object, f64
     (object, mu.exp())
 }
 
-/// Parameters within what is believed, and nothing else changed.
+/// Parameters within the assumed ranges, and nothing else changed.
 pub(super) fn bounded(parameters: &mut Parameters) {
     for (value, [least, most]) in parameters.iter_mut().zip(BOUNDS) {
         *value = value.clamp(least, most);

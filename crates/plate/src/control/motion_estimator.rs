@@ -64,11 +64,11 @@ impl Run {
 /// The estimator.
 #[derive(Debug, Clone)]
 pub(super) struct MotionEstimator {
-    /// The object that is believed in at first.
+    /// The object assumed at first.
     object: Object,
     period: f64,
     noise: [f64; 3],
-    /// What is believed before anything is measured, without the offset.
+    /// What is assumed before anything is measured, without the offset.
     first: Filter,
     /// The same at the beginning of the run.
     prior: Filter,
@@ -381,7 +381,7 @@ mod tests {
             assert!((learned.mu.value.ln() - truth[0]).abs() < 0.01, "{truth:?} {learned:?}");
             assert!((learned.scale.value.ln() - truth[1]).abs() < 0.04, "{truth:?} {learned:?}");
             assert!(learned.latency.value < 5e-4, "{truth:?} {learned:?}");
-            // The object hardly turns, which would show where its center of mass is; what is believed of it stays uncertain.
+            // The object hardly turns, which would show where its center of mass is; what is assumed of it stays uncertain.
             for (estimate, truth) in learned.center_of_mass.iter().zip(&truth[2..]) {
                 assert!((estimate.value - truth).abs() < 2.0 * estimate.deviation, "{truth:?} {learned:?}");
             }

@@ -5,11 +5,11 @@ use super::learned::Estimate;
 use super::limits::PlateLimits;
 use crate::PlateKinematics;
 
-/// Standard deviation of the lag that is believed in at first, in s: it follows at once.
+/// Standard deviation of the lag assumed at first, in s: it follows at once.
 const FIRST: f64 = 0.01;
 /// Standard deviation of a change of rates that the lag does not explain, as a share of what the greatest accelerations give.
 const UNEXPLAINED: f64 = 0.02;
-/// Longest lag that is believed, in periods.
+/// Longest lag that is accepted, in periods.
 const LONGEST: f64 = 2.0;
 /// Lags below this time in s are none.
 const LEAST: f64 = 2e-4;

@@ -13,7 +13,7 @@ pub struct PoseSettings {
     pub delay: usize,
     /// Bounds of the plate's motion.
     pub limits: PlateLimits,
-    /// Friction coefficient that is believed in at first.
+    /// Friction coefficient assumed at first.
     pub mu: f64,
     /// Standard deviation of what is not known of it, as a share of it; 0 if it is exact.
     pub mu_deviation: f64,
@@ -91,7 +91,7 @@ pub struct MoveReport {
     pub seconds: f64,
     /// Error of x, y (m) and yaw (rad) at the end of the plan when replayed with exact friction.
     pub miss: [f64; 3],
-    /// Friction coefficient that was believed in.
+    /// Friction coefficient assumed last.
     pub mu: f64,
 }
 
@@ -102,7 +102,7 @@ pub struct PoseReport {
     pub status: PoseStatus,
     /// Moves, the first and the corrections.
     pub moves: Vec<MoveReport>,
-    /// The friction coefficient believed in now.
+    /// The friction coefficient assumed now.
     pub mu: f64,
     /// What has been learned, with standard deviations.
     pub learned: Learned,

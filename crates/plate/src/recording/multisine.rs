@@ -29,7 +29,7 @@ const PIECE: f64 = 0.2;
 /// A multisine in displacement and tilt, of four frequencies each between 1.2 and 3.2 Hz with equal amplitudes of
 /// acceleration, random phases, faded in over half a second; at most 95 mm and 18°.
 ///
-/// Phases are drawn until the object as it is believed to be stays within 0.12 m of where it starts, on the plate and
+/// Phases are drawn until the assumed object stays within 0.12 m of where it starts, on the plate and
 /// without tipping; where the greatest motions let it slip away every time, smaller ones are tried.
 ///
 /// # Errors

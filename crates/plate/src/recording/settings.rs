@@ -1,8 +1,8 @@
-//! What is believed of the plant, and how it is recorded.
+//! What is assumed of the plant, and how it is recorded.
 
 use crate::{AreaSettings, Object};
 
-/// What is believed of the plant, and how it is recorded.
+/// What is assumed of the plant, and how it is recorded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingSettings {
     /// The object.

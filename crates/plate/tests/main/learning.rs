@@ -10,7 +10,7 @@ const TARGET: [f64; 3] = [0.05, -0.02, 0.9];
 const PERIOD: f64 = 0.02;
 const PIECE: f64 = 2e-3;
 
-/// A plant that is not as it is believed.
+/// A plant that differs from the assumed one.
 struct Plant {
     object: Object,
     mu: f64,

@@ -98,7 +98,7 @@ class Controller:
             What was measured, in the order of :attr:`measured`; NaN where nothing was.
         t
             Time of the measurement in s, on a clock of your own. Samples that have passed since the last one without a
-            measurement are made up for: the last input counts as held. Without a time, every call is the next sample.
+            measurement are compensated: the last input counts as held. Without a time, every call is the next sample.
 
         Returns
         -------

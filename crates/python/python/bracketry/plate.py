@@ -275,7 +275,7 @@ class PlateController:
     shape, thickness, mass
         The object, as for :func:`run`.
     mu
-        Friction coefficient that is believed in at first (0.3).
+        Friction coefficient assumed at first (0.3).
     mu_deviation
         Standard deviation of what is not known of it, as a share of it.
     period
@@ -334,7 +334,7 @@ class PlateController:
         -------
         PlateStep
             ``displacement_acceleration`` (m/s²), ``tilt_acceleration`` (rad/s²), ``finished``, ``status`` (working, arrived,
-            unreachable or moves_used_up), ``estimate`` of the object's state, ``mu``, the friction coefficient believed in, and
+            unreachable or moves_used_up), ``estimate`` of the object's state, ``mu``, the assumed friction coefficient, and
             ``learned`` by name with standard deviations: ``mu``, ``scale`` of the bearing (how far out the pressure stands),
             ``center_of_mass_x`` and ``center_of_mass_y`` (m), ``latency`` of the camera (s), ``servo_lag`` (s). The first step plans,
             which takes about a second.

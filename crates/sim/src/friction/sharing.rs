@@ -6,7 +6,7 @@
 //! go too early. This is the *analytic center* of the solutions: the one with the greatest `Σ w_i r_i √(1 − |s_i|²/r_i²)`, so
 //! that `s` is smooth in `b` up to where the last solution vanishes. With the multipliers `y` of `M s = b`,
 //! `s_i = r_i z_i/√(1 + |z_i|²)`, `z_i = M_iᵀ y/w_i`, and `y` minimizes the convex `Σ w_i r_i √(1 + |z_i|²) − b·y` (Boyd,
-//! Vandenberghe, *Convex Optimization*, sections 5.1 and 11.2). There is none exactly if a `y` has `b·y > Σ r_i |M_iᵀ y|` (theorem of the
+//! Vandenberghe, *Convex Optimization*, sections 5.1 and 11.2). There is none if and only if a `y` has `b·y > Σ r_i |M_iᵀ y|` (theorem of the
 //! alternative); then all bounds are widened by the factor that just lets one in.
 
 use super::surfaces::{divide, norm};

@@ -7,9 +7,9 @@ use nalgebra::{DMatrix, DVector, Matrix3, UnitQuaternion, Vector3};
 
 /// Spread of the direction of gravity in the sensor's axes, as a share of gravity, below which readings count as one.
 const LEAST_SPREAD: f64 = 0.05;
-/// Farthest center of mass that is believed (m).
+/// Farthest plausible center of mass (m).
 const FARTHEST_CENTER: f64 = 3.0;
-/// Heaviest payload that is believed (kg).
+/// Heaviest plausible payload (kg).
 const HEAVIEST: f64 = 5000.0;
 /// Standard deviations a mass has to differ from nothing.
 const SIGNIFICANT: f64 = 4.0;

@@ -58,7 +58,7 @@ proptest! {
         prop_assert_eq!(p.simplify(s), s, "{} → {}", p.text(e), p.text(s));
     }
 
-    /// A trigonometric polynomial is zero exactly if its Fourier form is 0.
+    /// A trigonometric polynomial is zero if and only if its Fourier form is 0.
     #[test]
     fn fourier_forms_are_unique(seed: u64) {
         let (mut p, mut rng) = (Pool::new(), generator(seed));

@@ -66,7 +66,7 @@ enum Phase {
 }
 
 impl AveragedController {
-    /// The controller of a trial with the map of its object and of the friction that is believed in.
+    /// The controller of a trial with the map of its object and of the assumed friction.
     pub fn new(map: Arc<CycleMap>, trial: &Trial, setup: &TrialSetup) -> Self {
         Self {
             map,
