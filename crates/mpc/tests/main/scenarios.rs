@@ -163,7 +163,9 @@ proptest! {
             k.iter().map(|k| discrete(Matrix2::new(0.0, 1.0, -k, 0.0), Vector2::new(0.0, 1.0), h)).collect();
         let shares: Vec<f64> = weights.iter().map(|w| w / total).collect();
         let (u, cost) = dense(&systems, &shares, r, Vector2::new(start[0], start[1]), steps, h);
-        prop_assert!((run.closed_loop.u[0][0] - u).abs() < 1e-6, "{} and {u}", run.closed_loop.u[0][0]);
+        // The program is solved to a gap of 1e-11 (1 + cost), and away from its minimum the cost grows by at least 0.01 h (u − u*)².
+        let near = (1e-11 * (1.0 + cost) / (0.01 * h)).sqrt();
+        prop_assert!((run.closed_loop.u[0][0] - u).abs() < near, "{} and {u}", run.closed_loop.u[0][0]);
         prop_assert!((run.report.open_loop_cost - cost).abs() < 1e-6 * (1.0 + cost), "{} and {cost}", run.report.open_loop_cost);
         prop_assert_eq!(run.report.scenarios.unwrap().branches, k.len().pow(r));
     }
