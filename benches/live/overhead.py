@@ -4,7 +4,8 @@
 Steps a double integrator by the real-time iteration from Python, from C, and over the pipe, and prints the median of the time around a
 step less the time that the controller states for preparation and feedback, and the resident memory after a tenth of the steps and after
 all; at last, the time of the same exchange with `cat`, which is the share of the peer and the pipe. Needs the package `bracketry` in
-release (`pip install .`), without which its line is left out, a C compiler, and `cargo build --release` (or PROFILE `debug`, `cargo build`).
+release (`MATURIN_PEP517_ARGS="--features native" pip install .`), without which its line is left out, a C compiler, and
+`cargo build --release --features native` (or PROFILE `debug`).
 """
 import array
 import json
