@@ -135,7 +135,9 @@ def main() -> None:
     rows, details = ["| what | elapsed | processor time |", "|---|---|---|"], []
     with tempfile.TemporaryDirectory(prefix="bracketry-build-") as folder:
         for name in options.only:
+            before = len(rows)
             MEASURES[name](pathlib.Path(folder), rows, details)
+            print("\n".join(rows[before:]), file=sys.stderr, flush=True)
     made = f"Made at commit {git('rev-parse', '--short=12', 'HEAD')} by `{' '.join(['python3 benches/build/measure.py', *sys.argv[1:]])}`, {os.cpu_count()} cores."
     tables = "\n".join([made, "", *rows, "", *details]).rstrip()
     print(tables)

@@ -4,12 +4,11 @@ mod command;
 pub mod demo;
 
 use std::ffi::OsString;
-use std::io::Write as _;
 
 use command::{Outcome, style};
 
 /// Runs the command with arguments as a shell passes them, the first of which is its name, and gives the exit code: 0 done, 1 ran
-/// but the answer is negative or was not reached, 2 bad input. It writes to the standard streams.
+/// but the answer is negative or was not reached, 2 bad input. It writes to the standard streams, and leaves nothing in their buffers.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match command::parse(arguments) {
         Ok(cli) => cli,
@@ -19,9 +18,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             return u8::try_from(error.exit_code()).unwrap_or(2);
         }
     };
-    // The standard library empties its buffer at the end of a Rust program, not of an interpreter.
-    let outcome = command::run(cli).and_then(|outcome| std::io::stdout().flush().map(|()| outcome).map_err(Into::into));
-    match outcome {
+    match command::run(cli) {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::Negative) => 1,
         // Whoever read the output has seen enough.

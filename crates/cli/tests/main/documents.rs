@@ -11,7 +11,10 @@ fn documents() -> Vec<(PathBuf, String)> {
     let root = Path::new(ROOT);
     let listed = ["docs", "docs/records"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
     let listed = listed.map(|entry| entry.unwrap().path());
-    let files = listed.chain(["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "CODE_OF_CONDUCT.md"].map(|name| root.join(name)));
+    let files = listed.chain(
+        ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "CODE_OF_CONDUCT.md"]
+            .map(|name| root.join(name)),
+    );
     let files = files.filter(|path| path.extension().is_some_and(|e| e == "md"));
     files.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
@@ -73,11 +76,13 @@ fn a_document_that_names_the_publication_cites_it_or_a_guide_that_does() {
     let mut naming = 0;
     for (path, text) in documents() {
         let name = path.file_name().unwrap().to_str().unwrap();
-        let named = ["published model", "published experiment", "published method", "published equations", "the publication"];
+        let named =
+            ["published model", "published experiment", "published method", "published equations", "the publication"];
         if path.ends_with("CHANGELOG.md") || !named.iter().any(|words| text.contains(words)) {
             continue;
         }
-        let guide = guides.iter().any(|guide| text.contains(&format!("{guide})")) || text.contains(&format!("{guide}#")));
+        let guide =
+            guides.iter().any(|guide| text.contains(&format!("{guide})")) || text.contains(&format!("{guide}#")));
         assert!(cites(&text) || guide, "{}", path.display());
         assert!(cites(&text) || !(guides.contains(&name) && !path.ends_with("docs/README.md")), "{}", path.display());
         naming += 1;
