@@ -275,7 +275,7 @@ void bracketry_controller_free(struct BracketryController *controller);
  * time `t` in seconds. It is to be held for one period.
  *
  * The clock is the caller's; its first time is that of the first sample, and times are rounded to samples. Samples that have
- * passed without a measurement are made up for. An entry of `y` is NaN where nothing was measured; the input is then that of the
+ * passed without a measurement are compensated. An entry of `y` is NaN where nothing was measured; the input is then that of the
  * failure policy, which `status` tells. `status` may be null. Where the code is not `BRACKETRY_CODE_OK`, the controller is as
  * it was, and `u` and `status` are not written.
  *
