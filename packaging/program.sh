@@ -13,7 +13,8 @@ case $target in
     *) program=bracketry ;;
 esac
 cp "$built/$program" "dist/$folder/"
-cp -r README.md LICENSE-MIT LICENSE-APACHE CITATION.cff models "dist/$folder/"
+cp crates/README.md "dist/$folder/README.md"
+cp -r LICENSE-MIT LICENSE-APACHE CITATION.cff models "dist/$folder/"
 for shell in bash zsh fish; do
     "$built/$program" completions "$shell" >"dist/$folder/completions/bracketry.$shell"
 done

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The wheel and the source distribution in dist/, their metadata checked, and the wheel tried in a clean environment: the package,
+# The wheel and the source distribution in dist/, their metadata checked, and both tried in a clean environment: the package,
 # the command, and the module as a command.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -34,3 +34,11 @@ missing = subprocess.run(["bin/bracketry", "analyze", "no_such_file.toml"], capt
 assert missing.returncode == 2 and b"no_such_file.toml" in missing.stderr, missing
 print("bracketry", bracketry.__version__, "installed from its wheel: package, command, and module agree")
 PROGRAM
+# The source distribution is what a system without a wheel builds.
+cd - >/dev/null
+source=$(ls "$PWD"/dist/*.tar.gz)
+"$clean/bin/python" -m pip uninstall --quiet --yes bracketry
+CARGO_TARGET_DIR=$target "$clean/bin/python" -m pip install --quiet --disable-pip-version-check "$source"
+cd "$clean"
+bin/bracketry analyze ball.toml >/dev/null
+echo "installed from its source distribution: the command runs"

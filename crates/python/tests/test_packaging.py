@@ -44,6 +44,9 @@ def test_a_step_is_what_a_developer_runs_too(workflow: Path) -> None:
             assert program == ".ci/run" or any(program in text for text in DOCUMENTED), f"{program} is in no document"
         elif program in ("git", "gh"):
             assert rest
+            if rest[:2] == ["release", "upload"]:
+                creates = any("gh release create" in s for s in steps)
+                assert creates, "a tag alone makes no release to upload to"
         else:
             assert any(step in text for text in DOCUMENTED), f"`{step}` is in no document"
 

@@ -256,13 +256,13 @@ impl Story {
             (
                 "as_published",
                 3,
-                "On the true plant, with the published model",
+                "Simulated plant, controller with the published model",
                 self.animation_on_plant(&self.as_published, Role::Given),
             ),
         ];
         if let Some(moved) = &self.extended {
             let animation = self.animation_on_plant(moved, Role::Extended);
-            moves.push(("extended", 6, "On the true plant, with the extended model", animation));
+            moves.push(("extended", 6, "Simulated plant, controller with the extended model", animation));
         }
         moves
             .into_par_iter()

@@ -98,8 +98,9 @@ fn the_report_in_the_readme_is_that_of_the_command() {
     let shown = readme.split("$ bracketry analyze models/unicycle.toml\n").nth(1).unwrap().split("```").next().unwrap();
     let printed = bracketry(&["analyze", &Path::new(ROOT).join("models/unicycle.toml").display().to_string()]);
     let printed = String::from_utf8(printed.stdout).unwrap();
-    assert_eq!(shown.lines().count(), 4);
-    for line in shown.lines() {
+    let shown: Vec<_> = shown.lines().filter(|line| *line != "…").collect();
+    assert_eq!(shown.len(), 4);
+    for line in shown {
         assert!(printed.lines().any(|l| l == line), "{line}");
     }
 }

@@ -74,7 +74,10 @@ fn shells_complete_every_command() {
         assert!(COMMANDS.iter().all(|c| script.contains(c)) && script.contains("markdown"), "{shell}");
     }
     assert_eq!(code(&bracketry(&["completions", "bash", "--json"])), 2);
-    // Bash itself reads the script, where there is one.
+    // Bash itself reads the script, where there is one; what Windows calls bash may be another system.
+    if cfg!(windows) {
+        return;
+    }
     let dir = scratch("completions");
     let script = file(&dir, "bracketry.bash", &text(&bracketry(&["completions", "bash"]).stdout));
     let ask = "source \"$0\"; COMP_WORDS=(bracketry ana); COMP_CWORD=1; _bracketry bracketry ana bracketry; echo \"${COMPREPLY[@]}\"";

@@ -417,7 +417,8 @@ fn the_cart_pole_of_the_guide_is_swung_up_and_held_over_the_pipe() {
         assert abs(x[0]) < 0.05 and abs(x[1]) < 0.05 and max(map(abs, x[2:])) < 0.2, x\n";
     let file = file(&dir, "peer.py", &format!("{}{ends}", block("text", "import json, math")));
     let command = Path::new(env!("CARGO_BIN_EXE_bracketry")).parent().unwrap();
-    let path = format!("{}:{}", command.display(), std::env::var("PATH").unwrap());
+    let others = std::env::var_os("PATH").unwrap();
+    let path = std::env::join_paths([command.to_owned()].into_iter().chain(std::env::split_paths(&others))).unwrap();
     let o = Command::new("python3").arg(file).current_dir(&dir).env("PATH", path).output().unwrap();
     assert!(o.status.success(), "{}", String::from_utf8_lossy(&o.stderr));
 }
