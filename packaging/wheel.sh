@@ -38,7 +38,8 @@ PROGRAM
 cd - >/dev/null
 source=$(ls "$PWD"/dist/*.tar.gz)
 "$clean/bin/python" -m pip uninstall --quiet --yes bracketry
-CARGO_TARGET_DIR=$target "$clean/bin/python" -m pip install --quiet --disable-pip-version-check "$source"
+# From nothing: a folder with other builds would be taken as up to date.
+env -u CARGO_TARGET_DIR "$clean/bin/python" -m pip install --quiet --disable-pip-version-check "$source"
 cd "$clean"
 bin/bracketry analyze ball.toml >/dev/null
 echo "installed from its source distribution: the command runs"
