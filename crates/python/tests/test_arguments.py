@@ -56,10 +56,10 @@ def test_pandas_columns_are_samples(integrator) -> None:
     ("samples", "message"),
     [
         ([0, 1, 2, 3j], "complex"),
-        ([0, 1, 2, "x"], "no array of numbers"),
+        ([0, 1, 2, "x"], "not an array of numbers"),
         ([0, 1, 2, None], "not a finite number"),
         (np.ma.masked_array([0.0, 1, 2, 3], mask=[0, 0, 1, 0]), "not a finite number"),
-        ([[0, 1], [2]], "no array of numbers"),
+        ([[0, 1], [2]], "not an array of numbers"),
         (np.zeros((4, 1)), "one-dimensional"),
         ([0, 1, 2], "length|samples"),
     ],
@@ -83,7 +83,7 @@ def test_what_is_no_model_is_refused_by_name() -> None:
             function("ball.toml")
         with pytest.raises(BracketryError, match="give a System"):
             function(None)
-    with pytest.raises(BracketryError, match="plant: .* is no model"):
+    with pytest.raises(BracketryError, match="plant: .* is not a model"):
         control("model = 'a'", models={"plant": 3})
 
 

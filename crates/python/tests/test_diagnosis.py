@@ -74,7 +74,7 @@ def test_numbers_are_those_of_the_command_line(slider, measured, tmp_path, comma
         ({"t": [0.0, 1.0], "x": [0.0, 1.0]}, "u"),
         ({"t": [0.0, 1.0], "u": [0.0, 1.0]}, "x"),
         ({"t": [0.0, 1.0, 2.0], "u": [0.0, 1.0], "x": [0.0, 1.0]}, "2 entries for 3 times"),
-        ({"t": ["a", "b"], "u": [0.0, 1.0], "x": [0.0, 1.0]}, "no array of numbers"),
+        ({"t": ["a", "b"], "u": [0.0, 1.0], "x": [0.0, 1.0]}, "not an array of numbers"),
         (3.0, "is not a table"),
         ([], "no data"),
     ],

@@ -100,7 +100,7 @@ def test_a_run_is_pickled() -> None:
         ({"model": "magic"}, "no model `magic`"),
         ({"mu": -0.1}, "^mu: mu = -0.1 must not be negative"),
         ({"mu": float("nan")}, "mu is nan"),
-        ({"mu": "0.3"}, "mu: `'0.3'` is no number"),
+        ({"mu": "0.3"}, "mu: `'0.3'` is not a number"),
         ({"seconds": -1.0}, "must be positive"),
         ({"sample": 0.0}, "not between"),
         ({"shape": "disk:-1"}, "shape"),

@@ -175,5 +175,5 @@ def test_what_cannot_be_chosen_or_weighed_is_refused(measurements) -> None:
         stiffness.choose_poses(measurements, ARM, count=61)
     with pytest.raises(BracketryError, match=r"no \[sensor\]"):
         stiffness.weigh(measurements, ARM)
-    with pytest.raises(BracketryError, match="is no robot"):
+    with pytest.raises(BracketryError, match="is not a robot"):
         stiffness.weigh(measurements, None)

@@ -85,7 +85,7 @@ def test_inputs_and_points() -> None:
      "x > 1", "f(x, y)", "Derivative(f(x), x, 2)*Derivative(g(x, y), y)", "zoo", "floor(x)"],
 )
 def test_what_a_model_cannot_say_is_refused_by_name(text) -> None:
-    with pytest.raises(BracketryError, match="cannot stand in a model|not defined|no expression"):
+    with pytest.raises(BracketryError, match="cannot be used in a model|not defined|not an expression"):
         System(states=["x"], dynamics=[sympy.sympify(text)])
 
 

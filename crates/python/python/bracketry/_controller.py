@@ -44,7 +44,7 @@ def _measured(answer: Callable[..., Step], y: Sequence[float] | Floats, *time: A
     except BracketryError:
         raise
     except (TypeError, ValueError) as e:
-        raise BracketryError(f"the measurement is no list of numbers, or its time is no number: {e}") from None
+        raise BracketryError(f"the measurement is not a list of numbers, or its time is not a number: {e}") from None
 
 
 class Controller:

@@ -44,7 +44,7 @@ class _Writer:
         known = ", ".join(sorted({*_FUNCTIONS.values(), "sqrt"}))
         kind = type(e).__name__
         return BracketryError(
-            f"{self.what}: `{e}` ({kind}) cannot stand in a model; rewrite it with + - * / ^ and {known}"
+            f"{self.what}: `{e}` ({kind}) cannot be used in a model; rewrite it with + - * / ^ and {known}"
         )
 
     def within(self, e: Any, level: int) -> str:

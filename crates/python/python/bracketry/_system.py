@@ -315,7 +315,7 @@ def model_of(system: Any, what: str = "system") -> Model:
     """The native model of a system."""
     if not isinstance(system, System):
         remedy = f"System.from_file({fspath(system)!r})" if isinstance(system, (str, PathLike)) else "a System"
-        raise BracketryError(f"{what}: `{system!r}` is no model; give {remedy}")
+        raise BracketryError(f"{what}: `{system!r}` is not a model; give {remedy}")
     return system._model
 
 

@@ -24,9 +24,9 @@ def real_array(values: Any, what: str) -> Floats:
         if given.dtype.kind not in "cmM":
             return np.ascontiguousarray(given, dtype=float).reshape(given.shape)
     except (TypeError, ValueError) as e:
-        raise BracketryError(f"{what} is no array of numbers: {e}") from None
+        raise BracketryError(f"{what} is not an array of numbers: {e}") from None
     kind = "complex numbers" if given.dtype.kind == "c" else "dates or durations; give seconds as numbers"
-    raise BracketryError(f"{what} is no array of real numbers: it holds {kind}")
+    raise BracketryError(f"{what} is not an array of real numbers: it holds {kind}")
 
 
 def floats(values: Any, what: str) -> Floats:

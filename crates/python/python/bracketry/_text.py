@@ -27,7 +27,7 @@ def name_of(value: object, what: str) -> str:
             return str(value)
         if is_function_of_time(value):
             return type(value).__name__
-    raise BracketryError(f"{what}: `{value}` is no name; give a string or a symbol")
+    raise BracketryError(f"{what}: `{value}` is not a name; give a string or a symbol")
 
 
 def expression(value: object, what: str) -> str:
@@ -39,7 +39,7 @@ def expression(value: object, what: str) -> str:
     if is_sympy(value):
         return sympy_text(value, what)
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
-        raise BracketryError(f"{what}: `{value!r}` is no expression; give a string, a number or a SymPy expression")
+        raise BracketryError(f"{what}: `{value!r}` is not an expression; give a string, a number or a SymPy expression")
     return number(value, what)
 
 
@@ -50,7 +50,7 @@ def number(value: object, what: str) -> str:
     if isinstance(value, Fraction):
         value = float(value)
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
-        raise BracketryError(f"{what}: `{value!r}` is no number")
+        raise BracketryError(f"{what}: `{value!r}` is not a number")
     if isinstance(value, Integral):
         return str(int(value))
     as_float = float(value)

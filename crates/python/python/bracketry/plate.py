@@ -182,7 +182,7 @@ def run(
     omega
         Frequency of experiment 2 in units of π (3).
     jumps
-        Where the amplitude changes: "world" (the plate jumps, the object stays in the world) or "smooth".
+        Where the amplitude changes: "world" (the plate jumps, the object keeps its place in the inertial frame) or "smooth".
     points
         Points of contact of the area model (48).
     dt

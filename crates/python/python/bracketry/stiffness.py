@@ -389,5 +389,5 @@ def _robot(robot: str | PathLike[str]) -> str | tuple[str, str]:
         return ("robot", robot)
     path = path_of(robot)
     if path is None:
-        raise BracketryError(f"robot: {type(robot).__name__} is no robot; give a robot file, or its text")
+        raise BracketryError(f"robot: {type(robot).__name__} is not a robot; give a robot file, or its text")
     return path
