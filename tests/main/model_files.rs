@@ -45,7 +45,7 @@ fn every_file_is_read_and_every_scenario_runs_to_its_end() {
 
 /// The keys that the reader lists where it meets one that it does not know.
 fn known_keys(error: &str) -> Vec<&str> {
-    let (_, list) = error.split_once("knows: ").unwrap();
+    let (_, list) = error.split_once("accepts: ").unwrap();
     list.lines().next().unwrap().split(", ").collect()
 }
 

@@ -78,7 +78,7 @@ mod text {
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Rational, D::Error> {
         let text = String::deserialize(deserializer)?;
-        text.parse().map_err(|_| serde::de::Error::custom(format!("`{text}` is no rational number")))
+        text.parse().map_err(|_| serde::de::Error::custom(format!("`{text}` is not a rational number")))
     }
 }
 
@@ -105,13 +105,13 @@ pub enum Conclusion {
 #[serde(rename_all = "snake_case")]
 pub enum Flaw {
     /// Lists whose lengths do not fit, or a matrix that is not symmetric.
-    #[error("its parts do not fit together in size, or a Gram matrix is not symmetric")]
+    #[error("the sizes of its parts do not match, or a Gram matrix is not symmetric")]
     Malformed,
     /// A nonzero derivative at the origin.
-    #[error("the origin is no equilibrium")]
+    #[error("the origin is not an equilibrium")]
     NotEquilibrium,
     /// ∇φ·f ≠ 0.
-    #[error("the function changes along motions")]
+    #[error("the function is not constant along motions")]
     NotConserved,
     /// A constant is conserved by any system.
     #[error("the function is constant")]
@@ -129,7 +129,7 @@ pub enum Flaw {
     #[error("the rate is not shown to be negative")]
     NotDecreasing,
     /// The multiplier is not shown to be nowhere negative.
-    #[error("the multiplier is not shown to be nowhere negative")]
+    #[error("the multiplier is not shown to be nonnegative")]
     Multiplier,
     /// c ≤ 0.
     #[error("the level is not positive")]

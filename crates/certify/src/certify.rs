@@ -55,7 +55,7 @@ impl Default for Options {
 
 /// A degree that functions cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the degree {degree} is none of 2 and 4: give one of them")]
+#[error("the degree is {degree}: use 2 or 4")]
 pub struct DegreeError {
     /// As given.
     pub degree: u32,

@@ -25,8 +25,9 @@ fn write<S: Serializer>(matrix: &[Vec<Rational>], serializer: S) -> Result<S::Ok
 
 fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<Rational>>, D::Error> {
     let rows = Vec::<Vec<String>>::deserialize(deserializer)?;
-    let entry =
-        |c: String| c.parse::<Rational>().map_err(|_| serde::de::Error::custom(format!("`{c}` is no rational number")));
+    let entry = |c: String| {
+        c.parse::<Rational>().map_err(|_| serde::de::Error::custom(format!("`{c}` is not a rational number")))
+    };
     rows.into_iter().map(|row| row.into_iter().map(entry).collect()).collect()
 }
 

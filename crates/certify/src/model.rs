@@ -30,7 +30,7 @@ pub(crate) struct PolynomialModel {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FeedbackError {
     /// No input of that name.
-    #[error("`{name}` is no input of the model: {remedy}")]
+    #[error("the model has no input `{name}`: {remedy}")]
     UnknownInput {
         /// The name as given.
         name: String,

@@ -30,7 +30,7 @@ pub struct Portrait {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PortraitError {
     /// The proof is none of a region, or the indices are none of two different states.
-    #[error("a picture needs a region of attraction and two different states")]
+    #[error("a figure needs a region of attraction and two different states")]
     NoRegion,
     /// The model cannot be simulated.
     #[error(transparent)]

@@ -66,7 +66,7 @@ pub enum DiagnoseError {
         longest: f64,
     },
     /// A name that the model does not have.
-    #[error("the model has no {what} `{name}`; known are {known}")]
+    #[error("the model has no {what} `{name}`; it has {known}")]
     UnknownName {
         /// What was looked for.
         what: &'static str,
@@ -84,13 +84,13 @@ pub enum DiagnoseError {
         message: String,
     },
     /// A coefficient of an effect has a name that the model uses.
-    #[error("the model has a `{name}` already; give the coefficient another name")]
+    #[error("the model already has a `{name}`; give the coefficient another name")]
     NameTaken {
         /// The name.
         name: String,
     },
     /// A substitution that finds nothing.
-    #[error("`{text}` does not occur in the equations that it should be replaced in")]
+    #[error("`{text}` does not occur in the equations in which it is to be replaced")]
     NothingReplaced {
         /// What should be replaced.
         text: String,

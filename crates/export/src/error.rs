@@ -22,7 +22,8 @@ pub enum ExportError {
     },
     /// A name that no language takes.
     #[error(
-        "`{name}` cannot be the name of a module\n   = begin with a letter, and go on with letters, digits, and _ (ASCII)"
+        "`{name}` cannot be the name of a module\n   = start with a letter, and continue with letters, digits, and _ \
+         (ASCII)"
     )]
     Name {
         /// The name.

@@ -57,7 +57,7 @@ mod tests {
     fn only_identifiers_are_taken() {
         assert_eq!(checked("Arm_2"), Ok("Arm_2".to_owned()));
         for bad in ["", "2a", "_a", "a-b", "ä", "a b"] {
-            let refused = checked(bad).is_err_and(|e| e.to_string().contains("begin with a letter"));
+            let refused = checked(bad).is_err_and(|e| e.to_string().contains("start with a letter"));
             assert!(refused, "{bad}");
         }
     }

@@ -67,12 +67,12 @@ impl fmt::Display for ExportNote {
             ExportNote::InputDerivatives { names } => {
                 write!(
                     f,
-                    "the equations use derivatives of inputs, which are further entries of u: {}",
+                    "the equations use derivatives of inputs, which are additional entries of u: {}",
                     names.join(", ")
                 )
             }
             ExportNote::StaticLevel { term } => {
-                write!(f, "the static level of {term} is left out: the functions know the sliding level only")
+                write!(f, "the static level of {term} is omitted: the functions contain the sliding level only")
             }
             ExportNote::NoOutputs => f.write_str("the model has no outputs: there is no h"),
         }

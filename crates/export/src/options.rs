@@ -62,7 +62,7 @@ impl Serialize for Target {
 
 /// A name of no language.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{name}` is no language of the export\n   = {remedy}")]
+#[error("`{name}` is not a language of the export\n   = {remedy}")]
 pub struct UnknownTarget {
     /// The name.
     pub name: String,

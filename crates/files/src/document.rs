@@ -183,7 +183,7 @@ impl Document {
             if !known.contains(&name) {
                 let remedy = match closest_name(name, known.iter().copied()) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("{what} knows: {}", known.join(", ")),
+                    None => format!("{what} accepts: {}", known.join(", ")),
                 };
                 return Err(self.error(key.span(), format!("unknown key `{name}` in {what}"), remedy));
             }
@@ -333,7 +333,7 @@ fn syntax_remedy(message: &str) -> &'static str {
     } else if says("inline table") {
         "write a table on one line as { min = 0, max = 1 }, or as [name] with its entries on lines below"
     } else {
-        "correct the TOML syntax; expressions stand in quotes: x = \"u*cos(th)\""
+        "correct the TOML syntax; expressions must be in quotes: x = \"u*cos(th)\""
     }
 }
 

@@ -63,7 +63,7 @@ pub enum MpcError {
         names: Vec<String>,
     },
     /// The problem cannot be stated with the values that were found for what it leaves free.
-    #[error("with the values that were found for what is free: {reason}")]
+    #[error("with the free values that were found: {reason}")]
     ValuesFound {
         /// Why not.
         reason: String,
@@ -82,7 +82,7 @@ pub enum MpcError {
     #[error("the linearized system is not stabilizable: add an input, or remove the states that no input reaches")]
     NotStabilizable,
     /// A motion that does not decay costs nothing.
-    #[error("an undamped motion has no cost: give every state that does not decay by itself a cost")]
+    #[error("an undamped motion has no cost: give a cost to every state that does not decay by itself")]
     NotDetectable,
     /// A point is not at rest.
     #[error(
@@ -96,7 +96,8 @@ pub enum MpcError {
     },
     /// The references do not determine the steady state.
     #[error(
-        "the references do not determine the steady state: give every state a cost, or set the terminal cost by hand"
+        "the references do not determine the steady state: give a cost to every state, or set the terminal cost \
+         explicitly"
     )]
     SteadyStateNotUnique,
     /// There is no stage cost to be continued beyond the horizon.
@@ -129,8 +130,8 @@ pub enum MpcError {
     },
     /// The problem says nothing of a run.
     #[error(
-        "there is no [run], which says where the loop starts: add run = {{ x0 = {{ … }}, steps = 100 }}; only a live controller \
-         (--live) does without"
+        "[run] is missing, so the loop has no start: add run = {{ x0 = {{ … }}, steps = 100 }}; only a live \
+         controller (--live) works without it"
     )]
     NoRun,
     /// The flag of the settings was raised.
@@ -150,7 +151,7 @@ pub(crate) fn check_flag(stop: &StopFlag) -> Result<(), MpcError> {
 }
 
 fn known_names(known: &[String]) -> String {
-    if known.is_empty() { "the problem has none".to_owned() } else { format!("known are {}", known.join(", ")) }
+    if known.is_empty() { "the problem has none".to_owned() } else { format!("the problem has {}", known.join(", ")) }
 }
 
 /// [`MpcError::Value`] unless the value is good.

@@ -29,7 +29,8 @@ pub enum PlateError {
     },
     /// A model that knows only objects on their whole footprint.
     #[error(
-        "this model knows only objects that stand on their whole footprint about their center of mass; use the model `area`"
+        "this model supports only objects that rest on their whole footprint about their center of mass; use the \
+         model `area`"
     )]
     UnevenBearing,
     /// Static friction below sliding friction.
@@ -41,7 +42,7 @@ pub enum PlateError {
         mu_static: f64,
     },
     /// A number of a state, or a time, that is not finite or lies in the past.
-    #[error("{value} as part of a state or as a time: states must be finite, times finite and not in the past")]
+    #[error("{value} is not a valid state entry or time: states must be finite, times finite and not in the past")]
     BadState {
         /// The number.
         value: f64,
@@ -106,7 +107,8 @@ pub enum PlateError {
     },
     /// The states of the model are not those of a plant, or the experiment moves none of them.
     #[error(
-        "a plate has the states x, y, phi, vx, vy, w, in this order, and experiments move one of the first three; `{name}` is not there"
+        "a plate model needs the states x, y, phi, vx, vy, w, in this order, and experiments move one of the first \
+         three; `{name}` is missing"
     )]
     NoState {
         /// The state.

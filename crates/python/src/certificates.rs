@@ -38,7 +38,7 @@ fn sought(name: &str, system: &System) -> Result<Vec<Find>, Failure> {
         }
         other => {
             return Err(Failure::new(format!(
-                "find: `{other}` is none of \"lyapunov\", \"region\", \"passivity\", \"conserved\", \"all\""
+                "find: `{other}` is not one of \"lyapunov\", \"region\", \"passivity\", \"conserved\", \"all\""
             )));
         }
     })

@@ -50,7 +50,7 @@ impl Compensator {
         reference: Numbers<'_>,
     ) -> Result<CompensationStep, Failure> {
         let (measured, reference) = (measured.as_array().to_vec(), reference.as_array().to_vec());
-        let mut stepped = self.0.lock().map_err(|_| Failure::new("the compensation failed before; make a new one"))?;
+        let mut stepped = self.0.lock().map_err(|_| Failure::new("the compensation has failed; create a new one"))?;
         let step = stepped.step(&measured, &Wrench::from(reading), &reference);
         Ok(CompensationStep {
             reference: step.reference.to_vec().into_pyarray(py).unbind(),

@@ -71,7 +71,7 @@ impl Step {
 
 impl LiveController {
     fn lock(&self) -> Result<MutexGuard<'_, Counted>, Failure> {
-        self.0.lock().map_err(|_| Failure::new("the controller failed before and cannot go on; make a new one"))
+        self.0.lock().map_err(|_| Failure::new("the controller has failed and cannot continue; create a new one"))
     }
 
     /// Does something that takes time without holding the interpreter.

@@ -79,8 +79,7 @@ impl PlateController {
     /// The command for the measured pose of the object, and of the plate where it is measured: X, X', θ, θ'.
     fn step(&self, py: Python<'_>, object: [f64; 3], plate: Option<[f64; 4]>) -> Result<PlateStep, Failure> {
         py.detach(|| {
-            let mut stepped =
-                self.0.lock().map_err(|_| Failure::new("the controller failed before; make a new one"))?;
+            let mut stepped = self.0.lock().map_err(|_| Failure::new("the controller has failed; create a new one"))?;
             Ok(stepped.step(object, plate)?)
         })
     }

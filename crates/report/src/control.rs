@@ -26,7 +26,7 @@ impl fmt::Display for Text<'_> {
         writeln!(f, "method         {}: {}", report.method, why(&report.method_reason))?;
         if let Some(p) = &report.plan {
             let programs = effort(p.interior_point_steps, p.programs);
-            let exact = if p.hessian == Hessian::Exact { ", in the end with the exact Hessian," } else { "" };
+            let exact = if p.hessian == Hessian::Exact { ", finally with the exact Hessian," } else { "" };
             writeln!(f, "plan           {}, {programs}{exact} in {:.2} s", p.status, p.seconds)?;
         }
         if let Some(found) = &report.found {
@@ -46,7 +46,7 @@ impl fmt::Display for Text<'_> {
             let (first, last) = (readable(m.first), readable(m.last));
             writeln!(
                 f,
-                "margin {:<7} {first} at first to {last} at the end, for a probability of {}",
+                "margin {:<7} {first} at the start, {last} at the end, for a probability of {}",
                 m.name, m.probability
             )?;
         }
@@ -62,7 +62,7 @@ impl fmt::Display for Text<'_> {
         if let Some(tree) = &report.scenarios {
             write!(f, "scenarios      {}", counted(tree.branches, "branch", "branches"))?;
             match tree.predicted_violation {
-                Some(v) => writeln!(f, ", bounds violated by at most {} in all plans of all of them", readable(v))?,
+                Some(v) => writeln!(f, ", largest predicted violation in any branch: {}", readable(v))?,
                 None => writeln!(f)?,
             }
         }
@@ -91,7 +91,10 @@ impl fmt::Display for Text<'_> {
             s.max,
             readable(report.period_ms)
         )?;
-        write!(f, "bounds         violated by at most {}", readable(report.constraint_violation_max))?;
+        match report.constraint_violation_max {
+            0.0 => write!(f, "bounds         all kept")?,
+            most => write!(f, "bounds         largest violation {}", readable(most))?,
+        }
         if let Some(v) = &report.constraint_violation_at {
             let side = match v.side {
                 BoundSide::Min => "below its min",
@@ -132,8 +135,8 @@ impl fmt::Display for Text<'_> {
 pub fn late(late: &LateSamples, period_ms: f64) -> Option<String> {
     (late.samples > 0).then(|| {
         format!(
-            "{} ({:.1} %) took longer to solve than the sampling period of {} ms, the longest {:.2} ms: on a real plant, their \
-             inputs come late; take fewer steps, method = \"rti\", a time_limit, or a longer dt",
+            "{} ({:.1} %) took longer to solve than the sampling period of {} ms, the longest {:.2} ms: on a real \
+             plant, their inputs would be late; use fewer steps, method = \"rti\", a time_limit, or a longer dt",
             counted(late.samples, "sample", "samples"),
             100.0 * late.share,
             readable(period_ms),
@@ -156,22 +159,22 @@ fn why(reason: &MethodReason) -> String {
     let percent =
         |change: f64| if change < 1e-4 { "less than 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * change) };
     match reason {
-        MethodReason::Given => "as the problem says".to_owned(),
-        MethodReason::Setting { key } => format!("the problem gives `{key}`, which only this method has"),
+        MethodReason::Given => "set in the problem file".to_owned(),
+        MethodReason::Setting { key } => format!("the problem file sets `{key}`, which only this method has"),
         MethodReason::Friction { names } => {
-            format!("dry friction is in reach of the plan (sign of {})", names.join(", "))
+            format!("the plan can reach dry friction (sign of {})", names.join(", "))
         }
         MethodReason::Targets => "the run ends with the horizon and its targets".to_owned(),
-        MethodReason::TerminalCost => "the run ends with the horizon, and the cost counts there alone".to_owned(),
-        MethodReason::Free => "a plan decides on what is free".to_owned(),
+        MethodReason::TerminalCost => "the run ends with the horizon, and the cost is terminal only".to_owned(),
+        MethodReason::Free => "free values need a plan".to_owned(),
         MethodReason::Settled { change } => {
-            format!("one program per sample settles; more change its first plan by {}", percent(*change))
+            format!("one QP per sample suffices; more change the first plan by {}", percent(*change))
         }
         MethodReason::NotSettled { change: Some(change) } => {
-            format!("one program per sample does not settle; more change its first plan by {}", percent(*change))
+            format!("one QP per sample does not suffice; more change the first plan by {}", percent(*change))
         }
-        MethodReason::NotSettled { change: None } => "one program per sample has no usable first plan".to_owned(),
-        MethodReason::NotConverging => "one program per sample does not settle, and more do not converge".to_owned(),
+        MethodReason::NotSettled { change: None } => "one QP per sample gives no usable first plan".to_owned(),
+        MethodReason::NotConverging => "one QP per sample does not suffice, and more do not converge".to_owned(),
     }
 }
 

@@ -9,9 +9,9 @@ fn verdict(v: &Identifiability) -> String {
     match (v.local, v.global, v.values) {
         (Some(true), Some(true), _) => "globally identifiable".to_owned(),
         (Some(true), Some(false), Some(n)) => {
-            format!("locally identifiable, not globally: {n} values give the same outputs (complex ones counted)")
+            format!("locally identifiable, not globally: {n} values give the same outputs (including complex ones)")
         }
-        (Some(true), ..) => "locally identifiable; whether globally is unknown".to_owned(),
+        (Some(true), ..) => "locally identifiable; global identifiability unknown".to_owned(),
         (Some(false), ..) => "not identifiable".to_owned(),
         (None, ..) => "unknown".to_owned(),
     }
@@ -19,13 +19,16 @@ fn verdict(v: &Identifiability) -> String {
 
 fn reason(why: GlobalReason) -> &'static str {
     match why {
-        GlobalReason::NotRational => "the equations are no quotients of polynomials",
+        GlobalReason::NotRational => "the equations are not rational",
         GlobalReason::TooLarge => "the polynomial equations are too large",
-        GlobalReason::Time => "time was up (--time-limit SECONDS)",
+        GlobalReason::Time => "time limit reached (--time-limit SECONDS)",
         GlobalReason::MoreDerivatives => {
-            "there are several solutions, but further derivatives may exclude some, since inputs are unknown or initial values special"
+            "there are several solutions, but further derivatives may exclude some, because inputs are unknown or \
+             initial values are special"
         }
-        GlobalReason::Primes => "the computations modulo two primes do not agree, or a prime field lacks a number",
+        GlobalReason::Primes => {
+            "the computations modulo two primes disagree, or a number does not exist in a prime field"
+        }
     }
 }
 

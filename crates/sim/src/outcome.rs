@@ -62,8 +62,8 @@ impl std::fmt::Display for StopReason {
             Self::TooManySimultaneous { count, limit } => {
                 write!(f, "{count} switching functions vanish together, more than the {limit} that are enumerated")
             }
-            Self::Asked => write!(f, "it was asked to stop"),
-            Self::EmptySegment => write!(f, "an input segment does not end after it begins"),
+            Self::Asked => write!(f, "it was stopped on request"),
+            Self::EmptySegment => write!(f, "an input segment does not end after it starts"),
         }
     }
 }

@@ -92,7 +92,7 @@ fn by_name(system: &mut System, text: &str, what: &'static str) -> Result<(Vec<f
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SteerError {
     /// A list of the wrong length.
-    #[error("{what}: {found} values are given where {expected} are needed")]
+    #[error("{what}: {found} values are given, but {expected} are needed")]
     Length {
         /// What is given.
         what: &'static str,

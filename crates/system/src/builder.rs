@@ -176,7 +176,7 @@ impl Builder {
         let system = &mut self.draft.borrow_mut().system;
         match system.inputs.iter().find(|u| Some(**u) == symbol) {
             Some(&input) => system.input_delays.push(InputDelay { input, delay }),
-            None => self.refuse(format!("`{input}` is no input"), "give delays to inputs"),
+            None => self.refuse(format!("`{input}` is not an input"), "give delays to inputs"),
         }
     }
 

@@ -20,8 +20,8 @@ pub(crate) fn discrete_period(doc: &Document, table: &Table<'_>, accepted: bool)
         }
     }
     if !accepted {
-        let message = "the model is discrete in time, which only `simulate` and `control` treat";
-        let remedy = "state the model in continuous time, x' = f(x, u), for everything else";
+        let message = "the model is discrete in time, which only `simulate` and `control` support";
+        let remedy = "write the model in continuous time, x' = f(x, u), for everything else";
         return Err(doc.error(place("time"), message, remedy));
     }
     let remedy = "write period = 0.1: the time of one step in seconds";
@@ -32,20 +32,12 @@ pub(crate) fn discrete_period(doc: &Document, table: &Table<'_>, accepted: bool)
         return Err(doc.error(place("period"), "the period must be positive", remedy));
     }
     let refused = [
-        (
-            "mass",
-            "there are no derivatives that a mass matrix could multiply",
-            "solve the equations for the next states",
-        ),
-        (
-            "delays",
-            "delays of inputs are those of continuous time",
-            "make the inputs of the steps before states of the model",
-        ),
+        ("mass", "a mass matrix needs derivatives", "solve the equations for the next states"),
+        ("delays", "delays of inputs need continuous time", "make the inputs of previous steps states of the model"),
         (
             "static",
-            "dry friction that sticks belongs to continuous time",
-            "remove the table, or state the model in continuous time",
+            "dry friction with sticking needs continuous time",
+            "remove the table, or write the model in continuous time",
         ),
     ];
     for (key, why, remedy) in refused {

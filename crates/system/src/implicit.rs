@@ -86,17 +86,18 @@ pub(crate) fn eliminate_algebraic(
         let message = "the algebraic equations do not determine the algebraic variables: ∂g/∂z is singular everywhere \
                        (index above 1), by this equation at the latest";
         let remedy =
-            "differentiate the equation with respect to time until an algebraic variable appears in it, and replace it";
+            "differentiate the equation with respect to time until an algebraic variable appears, and replace it by \
+             the result";
         doc.error(equations[singular.equation].place.clone(), message, remedy)
     })?;
     if let Some(&(open, _)) = solution.open.first().filter(|_| !accepted) {
         let names: Vec<String> = solution.unknowns.iter().map(|&s| format!("`{}`", system.pool.name(s))).collect();
         let message = format!(
-            "the equation is not linear in the algebraic variables, so that {} cannot be eliminated",
+            "the equation is not linear in the algebraic variables, so {} cannot be eliminated",
             names.join(", ")
         );
-        let remedy = "state the variable in [definitions] where it has a closed form; only `simulate` and `control` solve such equations \
-                      as they go";
+        let remedy = "write the variable in [definitions] if it has a closed form; only `simulate` and `control` \
+                      solve such equations numerically";
         return Err(doc.error(equations[open].place.clone(), message, remedy));
     }
     let map: FxHashMap<Expr, Expr> = solution.found.iter().map(|&(s, e)| (system.pool.sym(s), e)).collect();
@@ -123,9 +124,10 @@ pub(crate) fn eliminate_algebraic(
 /// Refuses what does not go together with algebraic variables that cannot be eliminated.
 pub(crate) fn smooth_beside_algebraic(doc: &Document, table: &Table<'_>, system: &System) -> Result<(), FileError> {
     let place = |key: &str| table.get(key).map_or(0..0, toml::Spanned::span);
-    let remedy = "solve the algebraic equations for their variables, and state these in [definitions]";
-    let with =
-        |what: &str| format!("{what} cannot stand beside algebraic equations that are not linear in their variables");
+    let remedy = "solve the algebraic equations for their variables, and write these in [definitions]";
+    let with = |what: &str| {
+        format!("{what} cannot be combined with algebraic equations that are not linear in their variables")
+    };
     if system.period.is_some() {
         return Err(doc.error(place("algebraic"), with("discrete time"), remedy));
     }
@@ -177,12 +179,16 @@ impl MassMatrix {
              [[\"m\", 0], [0, \"J\"]] }}"
         );
         let Some(list) = array(matrix).filter(|list| list.len() == n) else {
-            return Err(doc.error(matrix.span(), format!("the mass matrix is no list of {n} rows"), remedy));
+            return Err(doc.error(matrix.span(), format!("the mass matrix must be a list of {n} rows"), remedy));
         };
         let (mut rows, mut places) = (Vec::new(), Vec::new());
         for row in list {
             let Some(entries) = array(row).filter(|entries| entries.len() == n) else {
-                return Err(doc.error(row.span(), format!("this row of the mass matrix has no {n} entries"), remedy));
+                return Err(doc.error(
+                    row.span(),
+                    format!("this row of the mass matrix must have {n} entries"),
+                    remedy,
+                ));
             };
             let read = entries.iter().map(|v| doc.expression(v, "mass", pool, scope));
             rows.push(read.collect::<Result<Vec<Expr>, FileError>>()?);
@@ -208,12 +214,12 @@ impl MassMatrix {
         let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
         let solution = solve(&mut system.pool, &equations, &rates, &parameters).map_err(|singular| {
             let message = "the mass matrix is singular everywhere: this row depends on those before it, or is zero";
-            let remedy = "state what has no derivative as a variable in [algebraic], with its equation";
+            let remedy = "write variables without a derivative in [algebraic], with their equations";
             doc.error(self.places[singular.equation].clone(), message, remedy)
         })?;
         if let Some(&(open, _)) = solution.open.first() {
             let message = format!(
-                "the mass matrix couples {} states in a way that is too large to be inverted symbolically",
+                "the mass matrix couples {} states, too many to be inverted symbolically",
                 solution.unknowns.len()
             );
             let remedy = "choose coordinates in which it has blocks of at most 6 states, or write the equations solved for the derivatives";

@@ -178,8 +178,8 @@ impl<'d> Reader<'d> {
         if period.is_some() {
             if let Some(d) = system.input_derivatives.first() {
                 let name = system.pool.name(d.symbol);
-                let message = format!("the model is discrete in time, where `{name}` does not exist");
-                return Err(doc.missing(message, "make the input of the step before a state of the model"));
+                let message = format!("the model is discrete in time, so `{name}` does not exist");
+                return Err(doc.missing(message, "make the input of the previous step a state of the model"));
             }
             return Ok(system);
         }
@@ -268,7 +268,7 @@ impl<'d> Reader<'d> {
         }
         if !out[0].is_finite() {
             let remedy = "write a number, or a constant such as \"1/3\" or \"sqrt(2)\"";
-            return Err(self.doc.error(value.span(), format!("`{name}` is no finite real number"), remedy));
+            return Err(self.doc.error(value.span(), format!("`{name}` is not a finite real number"), remedy));
         }
         self.constants.push((name.to_owned(), constant));
         Ok(None)
@@ -288,7 +288,7 @@ impl<'d> Reader<'d> {
                 return Err(doc.error(key.span(), format!("`{name}` is not an input"), remedy));
             };
             let Value::Table(entries) = value.get_ref() else {
-                let remedy = format!("write {name} = {{ min = 0 }}, max likewise");
+                let remedy = format!("write {name} = {{ min = 0 }}, with or without max");
                 return Err(doc.error(value.span(), format!("the range of `{name}` is not a table"), remedy));
             };
             doc.only_keys(entries, &["min", "max"], "a range")?;

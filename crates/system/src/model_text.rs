@@ -9,7 +9,7 @@ use crate::system::System;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WriteError {
     /// An equation whose text would repeat its shared parts too often.
-    #[error("the equation of `{name}` has {nodes:.0e} nodes when its definitions are expanded, too many to be written")]
+    #[error("the equation of `{name}` has {nodes:.0e} nodes with expanded definitions, too many to be written")]
     TooLong {
         /// State or output.
         name: String,

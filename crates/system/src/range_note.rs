@@ -73,11 +73,9 @@ impl fmt::Display for RangeNote {
                 f,
                 "the values of {input} that the ranges of the old inputs allow were not found ({reason}): bound {input} where it is used"
             ),
-            RangeNote::Joint { inputs } => write!(
-                f,
-                "the ranges of {} hold for each alone; that they take these values together was not established",
-                inputs.join(", ")
-            ),
+            RangeNote::Joint { inputs } => {
+                write!(f, "the ranges of {} hold individually; joint ranges were not established", inputs.join(", "))
+            }
             RangeNote::State { input, range } => write!(
                 f,
                 "{input} is a state now: keep {} by a bound on the state",

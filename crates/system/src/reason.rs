@@ -128,7 +128,7 @@ pub enum Rejection {
     },
     /// The functions of the inputs depend on each other.
     #[error(
-        "the equations depend on the inputs through {}, of which only {independent} can be chosen freely",
+        "the equations depend on the inputs through {}; only {independent} of them can be chosen freely",
         counted(*functions, "function", "functions")
     )]
     Dependent {
@@ -138,7 +138,7 @@ pub enum Rejection {
         independent: usize,
     },
     /// The equations with the functions put back are not the original ones.
-    #[error("putting the functions back does not give the equations")]
+    #[error("substituting the functions back does not restore the equations")]
     NotRestored,
     /// A function switches, and its values are not known.
     #[error("the function {} switches, and {reason}", function.text())]
@@ -149,13 +149,13 @@ pub enum Rejection {
         reason: UnknownRange,
     },
     /// An equation does not separate.
-    #[error("{} is no sum of functions of states times functions of inputs", .0.text())]
+    #[error("{} is not a sum of products of a function of the states and a function of the inputs", .0.text())]
     Mixed(Function),
     /// An input changes the sign of a switching function.
     #[error("a switching function depends on an input")]
     SwitchOfInput,
     /// None, or too many functions to solve for.
-    #[error("{functions} functions of the inputs are not solved for")]
+    #[error("the equations were not solved for {functions} functions of the inputs")]
     Unsolved {
         /// Their number.
         functions: usize,
@@ -179,7 +179,7 @@ pub enum Rejection {
         derivative: String,
     },
     /// The inverse of the new states does not restore the equations.
-    #[error("the way back does not give the equations")]
+    #[error("transforming back does not restore the equations")]
     NotInverted,
     /// An output depends on the derivative.
     #[error("an output depends on {derivative}")]
@@ -221,7 +221,7 @@ pub enum Rejection {
     },
     /// New states save no integrator.
     #[error(
-        "with {} in place of {} the inputs still take {}",
+        "with {} replacing {}, the inputs still need {}",
         definitions(states),
         replaced(states),
         counted(*integrators, "integrator", "integrators")
@@ -249,7 +249,7 @@ impl fmt::Display for Nonlinearity {
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Reason::Affine => f.write_str("the right-hand side is affine in the inputs as it stands"),
+            Reason::Affine => f.write_str("the right-hand side is already affine in the inputs"),
             Reason::NewInputs { functions, changed } => {
                 let shown = changed.iter().map(|(name, function, values)| {
                     let limits = values.text(name).map_or(String::new(), |l| format!(" ({l})"));
@@ -264,12 +264,12 @@ impl fmt::Display for Reason {
             }
             Reason::LoneDerivatives { derivatives } => write!(
                 f,
-                "the equations use {} alone, which can be taken as input itself; what it is a derivative of is no longer followed",
+                "the equations use {} only, which can itself serve as an input; its antiderivative is dropped",
                 derivatives.join(", ")
             ),
             Reason::Integrators { causes, total, inputs } => write!(
                 f,
-                "{}; with {} the inputs {} enter affinely, with fewer integrators alone they do not",
+                "{}; with {}, the inputs {} enter affinely, and fewer integrators alone do not suffice",
                 causes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
                 counted(*total as usize, "integrator", "integrators"),
                 inputs.join(", ")
@@ -279,7 +279,7 @@ impl fmt::Display for Reason {
             }
             Reason::NewStates { states, integrators, instead_of } => write!(
                 f,
-                "with the states {} the inputs take {} instead of {instead_of}",
+                "with the states {}, the inputs need {} instead of {instead_of}",
                 definitions(states),
                 counted(*integrators, "integrator", "integrators")
             ),

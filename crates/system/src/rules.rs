@@ -55,7 +55,7 @@ impl Declared {
         }
         if let Some(other) = self.0.insert(name.to_owned(), kind) {
             let message = format!("{kind} `{name}` is already declared as a {other}");
-            return Err(ModelError::new(message, "each name may stand for one thing; rename one of them"));
+            return Err(ModelError::new(message, "names must be unique; rename one of them"));
         }
         Ok(())
     }

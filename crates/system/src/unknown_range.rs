@@ -10,7 +10,7 @@ pub enum UnknownRange {
     #[error("the function is too large")]
     TooLarge,
     /// No rule gives an interval.
-    #[error("the values of {} are not an interval that is known", .0.text())]
+    #[error("the values of {} are not a known interval", .0.text())]
     NoInterval(Function),
     /// Operands share inputs.
     #[error("the values of {} are not known", .0.text())]

@@ -64,24 +64,24 @@ pub(crate) struct AnalyzeArgs {
     /// may be repeated
     #[arg(long = "bracket", value_name = "BRACKET")]
     brackets: Vec<String>,
-    /// Function of states and parameters: do the outputs determine it while the parameters are unknown? May be given
-    /// more than once
+    /// Function of states and parameters: do the outputs determine it while the parameters are unknown? May be
+    /// repeated
     #[arg(long, value_name = "EXPR")]
     determines: Vec<String>,
-    /// Seconds after which what is not decided is unknown
+    /// Stop after this many seconds; undecided results are unknown
     #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = time_limit)]
     time_limit: Duration,
     /// Parameters without fixed value, or "symbolic" for all: for which of their values do the verdicts change?
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
-    /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; the picture goes to --out
+    /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; the figure goes to --out
     #[arg(long, value_name = "A=LOW..HIGH,B=LOW..HIGH", allow_hyphen_values = true,
         conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters"])]
     map: Option<String>,
     /// Local and global identifiability of parameters and initial states, and identifiable combinations
     #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map"])]
     identifiability: bool,
-    /// State whose initial value is known, as x or x=0, for --identifiability; may be repeated, or hold several with commas
+    /// State whose initial value is known, as x or x=0, for --identifiability; may be repeated, or a list with commas
     #[arg(long, value_name = "STATE[=VALUE],…", value_delimiter = ',', requires = "identifiability")]
     known_initial: Vec<String>,
     /// Input that is an unknown function of time, for --identifiability; may be repeated
@@ -90,7 +90,7 @@ pub(crate) struct AnalyzeArgs {
     /// Cells along each axis of the map
     #[arg(long, value_name = "N", default_value_t = 40, requires = "map")]
     cells: usize,
-    /// Most conditions on parameters that are to hold at the same time
+    /// Maximum number of simultaneous conditions on parameters
     #[arg(long, value_name = "N", default_value_t = 2)]
     conditions: usize,
     /// Format of the report on standard output

@@ -49,19 +49,19 @@ pub(crate) struct CertifyArgs {
     /// Feedback that sets an input, such as u=-x-2*v; may be repeated
     #[arg(long = "with", value_name = "INPUT=EXPRESSION")]
     with: Vec<String>,
-    /// What is sought
+    /// What to find
     #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]
     find: Vec<Sought>,
     /// Largest degree of the functions
     #[arg(long, default_value_t = 4, value_name = "2|4")]
     degree: u32,
-    /// Seconds after which what is undecided is unknown
+    /// Stop after this many seconds; undecided results are unknown
     #[arg(long, default_value_t = 120.0, value_name = "S")]
     time_limit: f64,
-    /// The two states of the picture, the first two by default
+    /// The two states of the figure, the first two by default
     #[arg(long, value_name = "STATE,STATE", value_delimiter = ',')]
     axes: Vec<String>,
-    /// Check a certificate that this command has written, against the model; nothing is sought
+    /// Check a certificate written by this command against the model, without a search
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     check: Option<PathBuf>,
 }
@@ -110,7 +110,7 @@ impl CertifyArgs {
                     let names = system.state_names().join(", ");
                     system
                         .state_index(name.trim())
-                        .with_context(|| format!("--axes: `{name}` is no state: the model has {names}"))
+                        .with_context(|| format!("--axes: `{name}` is not a state: the model has {names}"))
                 };
                 Ok(Some([index(a)?, index(b)?]))
             }
@@ -174,7 +174,7 @@ fn check_file(system: &System, path: &Path, output: &OutputArgs) -> anyhow::Resu
     let place = || path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", place()))?;
     let certificate: Certificate = serde_json::from_str(&text).with_context(|| {
-        format!("{}: is no certificate: give a file certificate_….json that certify --out has written", place())
+        format!("{}: is not a certificate: give a file certificate_….json written by certify --out", place())
     })?;
     let outcome = check(system, &certificate);
     let text = check_text(&system.name, &outcome);

@@ -34,13 +34,13 @@ pub(crate) struct ControlArgs {
     /// per line; docs/live.md
     #[arg(long)]
     live: bool,
-    /// With --live: longest time from an input to the next measurement, s; after it the failure policy decides
+    /// With --live: maximum time from an input to the next measurement, s; then the failure policy applies
     #[arg(long, requires = "live", value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     deadline: Option<Duration>,
-    /// With --live: longest time without any message, s; after it the session ends with exit code 1
+    /// With --live: maximum time without any message, s; then the session ends with exit code 1
     #[arg(long, requires = "live", value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds, default_value = "60")]
     timeout: Duration,
-    /// With --live: send a sign of life this often, s
+    /// With --live: send a heartbeat at this interval, s
     #[arg(long, requires = "live", value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     heartbeat: Option<Duration>,
 }

@@ -153,7 +153,7 @@ impl FileKind {
     /// How to come by a file of this kind.
     fn how(self) -> &'static str {
         match self {
-            Self::Model => "`bracketry new NAME` writes a model file with a scenario and a problem beside it",
+            Self::Model => "`bracketry new NAME` writes a model file with a scenario and a problem",
             Self::Problem => "a problem file names a model, [horizon] and [cost]; `bracketry new NAME` writes one",
             Self::Scenario => {
                 "a scenario file has `duration = 5.0`, [x0] and [inputs]; `bracketry new NAME` writes one"

@@ -41,7 +41,7 @@ use stiffness::StiffnessCommand;
     after_help = examples(&FIRST_STEPS),
     after_long_help = guide(&FIRST_STEPS, &[EXIT_CODES, UNITS, (
         "Color",
-        "Only on terminals; NO_COLOR=1 turns it off, CLICOLOR_FORCE=1 on.",
+        "On terminals only; NO_COLOR=1 turns it off, CLICOLOR_FORCE=1 turns it on.",
     )]),
 )]
 pub(crate) struct Cli {
@@ -52,7 +52,7 @@ pub(crate) struct Cli {
 }
 
 const FIRST_STEPS: [(&str, &str); 6] = [
-    ("See what it does, on the vibrating plate", "bracketry demo"),
+    ("Run the complete example, a vibrating plate", "bracketry demo"),
     ("Start with your own model", "bracketry new ball"),
     ("Analyze what its inputs reach", "bracketry analyze ball.toml"),
     ("Simulate it", "bracketry simulate ball.toml --scenario ball_scenario.toml --out out"),
@@ -63,15 +63,15 @@ const FIRST_STEPS: [(&str, &str); 6] = [
 /// In the order in which they are used, which is that of the help.
 #[derive(Subcommand)]
 enum Command {
-    /// The main job: the vibrating plate, from its published equations to a controller on the plant
+    /// Complete example: the vibrating plate, from its published equations to a controller on the plant
     #[command(after_help = examples(&demo::EXAMPLES), after_long_help = guide(&demo::EXAMPLES, &[
         ("What it does",
             "Analyzes the published model of a plate that moves an object without grasping it, closes a loop on its own\n\
              equations and on a plant with contact over the whole footprint (a simulation), diagnoses the logs, and controls\n\
-             the plant with the extended model. Half a minute on two cores. Results go to out/demo, or to --out, as each\n\
-             chapter ends: a folder that this command keeps for itself."),
+             the plant with the extended model. Half a minute on two cores. Results are written to out/demo, or to --out,\n\
+             as each chapter ends; the folder is reserved for this command."),
         ("Exit codes", "0  the extended model reaches the target, the published one does not\n\
-             1  the story ends otherwise; the report says how\n2  bad input"),
+             1  any other outcome; see the report\n2  bad input"),
     ]))]
     Demo(demo::DemoArgs),
     /// Write a commented model with a scenario and a problem
@@ -80,9 +80,9 @@ enum Command {
     /// Affine form, modes, ranks, brackets, and what no input influences
     #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
         "Exit codes",
-        "0  every generic dimension is decided, and what --at, --bracket and --determines ask for, and which states and \
-         parameters the outputs determine; with --parameters or --map, the cases are proven to be all; with \
-         --identifiability, local and global identifiability of all parameters are known\n\
+        "0  every generic dimension, the requests of --at, --bracket, and --determines, and which states and \
+         parameters the outputs determine are decided; with --parameters or --map, the list of cases is proven \
+         complete; with --identifiability, local and global identifiability of all parameters are known\n\
          1  one of these is undecided; the report says which and why (other quantities may be unknown)\n2  bad input",
     )]))]
     Analyze(analyze::AnalyzeArgs),
@@ -101,12 +101,12 @@ enum Command {
     Linearize(operating_point::LinearizeArgs),
     /// Lyapunov functions, regions of attraction, storage and conserved functions, proved in exact arithmetic
     #[command(after_help = examples(&certify::EXAMPLES), after_long_help = guide(&certify::EXAMPLES, &[(
-        "Exit codes", "0  everything that was sought is proved\n1  something is not proved; the report says why\n2  bad input",
+        "Exit codes", "0  everything requested is proved\n1  something is not proved; the report says why\n2  bad input",
     )]))]
     Certify(certify::CertifyArgs),
-    /// Write the model in a normal form or decomposition, with the change of coordinates and its inverse
+    /// Transform the model to a normal form or decomposition, with the change of coordinates and its inverse
     #[command(after_help = examples(&transform::EXAMPLES), after_long_help = guide(&transform::EXAMPLES, &[(
-        "Exit codes", "0  found, and confirmed by transforming back\n1  there is no such form, or it was not found; the report says which and why\n2  bad input",
+        "Exit codes", "0  found, and confirmed by transforming back\n1  no such form exists, or none was found; the report gives the reason\n2  bad input",
     )]))]
     Transform(transform::TransformArgs),
     /// Write the equations with their Jacobians as source code: C, Rust, Python, CasADi, Julia
@@ -115,23 +115,23 @@ enum Command {
     /// Find inputs that move a model from one state to another
     #[command(after_help = examples(&steer::EXAMPLES), after_long_help = guide(&steer::EXAMPLES, &[
         ("Exit codes", "0  the simulated motion ends within 1e-6 of every state, with inputs within their ranges\n\
-         1  a first guess only, or nothing was found; the report says why\n2  bad input"),
+         1  only a first guess, or nothing, was found; the report gives the reason\n2  bad input"),
         UNITS,
     ]))]
     Steer(steer::SteerArgs),
     /// Integrate a model with exact stick–slip friction
     #[command(after_help = examples(&simulate::EXAMPLES), after_long_help = guide(&simulate::EXAMPLES, &[
-        ("Exit codes", "0  simulated to the end\n1  stopped before it (blow-up, chattering); the report says when\n2  bad input"),
+        ("Exit codes", "0  simulated to the end\n1  stopped early (blow-up, chattering); the report says when\n2  bad input"),
         UNITS,
     ]))]
     Simulate(simulate::SimulateArgs),
-    /// Close the loop of a problem file
+    /// Run the closed loop of a problem file
     #[command(after_help = examples(&control::EXAMPLES), after_long_help = guide(&control::EXAMPLES, &[
-        ("Exit codes", "0  the loop did what the problem asks\n1  it ran, but a target was missed, a sample had no solution or the plant ended\n2  bad input"),
+        ("Exit codes", "0  the loop meets all targets\n1  a target was missed, a sample had no solution, or the plant stopped\n2  bad input"),
         UNITS,
     ]))]
     Control(control::ControlArgs),
-    /// Find what the model gets wrong in measured data: cause, extended model, gain
+    /// Find the errors of a model from measured data: cause, extended model, gain
     #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
         ("Exit codes",
             "0  a cause is named, or nothing is wrong\n\
@@ -143,8 +143,9 @@ enum Command {
     #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
         ("Exit codes",
             "0  the target is reached\n\
-             1  it is not reached, the run ended early, or the comparison with a log is undecided: where chance decides on a \
-             sign of the amplitude, only the time before counts\n2  bad input; the message names the place and the remedy"),
+             1  it is not reached, the run ended early, or the comparison with a log is undecided: if chance decides \
+             a sign of the amplitude, only the time before counts\n2  bad input; the message names the place and the \
+             remedy"),
         ("Units", "SI and radians; ω in units of π"),
     ]))]
     Plate(Box<plate::PlateArgs>),

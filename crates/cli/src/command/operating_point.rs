@@ -31,16 +31,16 @@ pub(crate) const LINEARIZE_EXAMPLES: [(&str, &str); 2] = [
 /// What an operating point is asked for.
 #[derive(Args)]
 pub(crate) struct PointArgs {
-    /// Value of a state or input, such as th=pi/2; may be repeated, or hold several with commas between them
+    /// Value of a state or input, such as th=pi/2; may be repeated, or a list with commas
     #[arg(long = "fix", value_name = "NAME=VALUE,…")]
     fixed: Vec<String>,
-    /// Input to be searched; other inputs stay at the model's point; may be repeated
+    /// Input to search for; other inputs stay at the model's point; may be repeated
     #[arg(long = "free", value_name = "NAME")]
     free: Vec<String>,
     /// State whose derivative need not vanish, such as a position at constant speed; may be repeated
     #[arg(long = "moving", value_name = "STATE")]
     moving: Vec<String>,
-    /// Random starts besides the model's point
+    /// Number of random starts in addition to the model's point
     #[arg(long, default_value_t = 24, value_name = "N")]
     starts: usize,
     /// Seed of the random starts
@@ -121,7 +121,7 @@ pub(crate) struct LinearizeArgs {
     /// Point instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
     #[arg(long, value_name = "NAME=VALUE,…", conflicts_with_all = ["fixed", "free", "moving", "trim"])]
     at: Option<String>,
-    /// Linearize at the operating point that `trim` finds, as --fix, --free, and --moving do
+    /// Linearize at the operating point that `trim` finds; implied by --fix, --free, and --moving
     #[arg(long)]
     trim: bool,
     #[command(flatten)]
@@ -138,7 +138,7 @@ pub(crate) struct LinearizeArgs {
     /// Noise of each output in the Kalman filter, as intensity
     #[arg(long, value_name = "W,…", value_delimiter = ',', allow_negative_numbers = true)]
     measurement_noise: Vec<f64>,
-    /// Upper end of the Gramians' integrals in seconds; for a stable system all time
+    /// Upper limit of the Gramian integrals in seconds; by default infinite for a stable system
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     horizon: Option<f64>,
 }

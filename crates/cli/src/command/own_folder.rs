@@ -34,7 +34,7 @@ impl OwnFolder {
             let listed = known.get(name.as_str());
             ensure!(
                 listed.is_some() && file.is_file(),
-                "{}: was not written by this command, which keeps its folder for itself\n   = {remedy}",
+                "{}: was not written by this command, whose folder must hold nothing else\n   = {remedy}",
                 file.display()
             );
             ensure!(

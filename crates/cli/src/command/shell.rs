@@ -34,7 +34,7 @@ pub(crate) struct CompletionsArgs {
 /// Arguments of `man`.
 #[derive(Args)]
 pub(crate) struct ManArgs {
-    /// Command whose page is printed, such as `stiffness identify`; by default that of the program
+    /// Command whose page to print, such as `stiffness identify`; by default that of the program
     command: Vec<String>,
 }
 

@@ -17,7 +17,7 @@ use super::{Outcome, OutputArgs};
 /// How samples continue.
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum HoldArg {
-    /// Each value lasts until the next sample
+    /// Each value is held until the next sample
     Previous,
     /// Linear interpolation between samples
     Linear,
@@ -48,7 +48,7 @@ pub(crate) struct SimulateArgs {
     /// Table of inputs (CSV): a column t and one per input; der(X,2) for derivatives
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     inputs: Option<PathBuf>,
-    /// How the samples of --inputs continue
+    /// Interpolation of the samples of --inputs
     #[arg(long, value_enum, default_value = "previous")]
     hold: HoldArg,
     /// Also write measured.csv: inputs, and outputs or states with Gaussian noise of these standard deviations, as a record

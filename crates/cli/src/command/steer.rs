@@ -27,7 +27,7 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
 /// The method, or the first that reaches the end.
 #[derive(Clone, Copy, ValueEnum)]
 enum MethodArg {
-    /// The first of the others that reaches the end
+    /// The first of the other methods that reaches the end
     Auto,
     /// Sinusoids in the chained form: two inputs, no drift
     Chained,
@@ -51,13 +51,13 @@ pub(crate) struct SteerArgs {
     /// State at the end; unnamed states are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     to: String,
-    /// Length of the motion in seconds; without it, as long as the inputs need
+    /// Duration of the motion in seconds; by default as long as the inputs need
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// How the inputs are found
     #[arg(long, value_enum, default_value = "auto")]
     method: MethodArg,
-    /// Seconds after which no further plan is tried
+    /// Try no further plan after this many seconds
     #[arg(long, value_name = "S", default_value_t = 120.0, allow_negative_numbers = true)]
     time_limit: f64,
     /// Seed of random way points and starts

@@ -34,17 +34,17 @@ pub(crate) struct TransformArgs {
     pub(crate) model: PathBuf,
     /// Form: brunovsky (chains of integrators by static feedback), byrnes-isidori (outputs with their derivatives, internal
     /// states, zero dynamics), kalman (controllable and observable parts), accessible (what no input influences), observable
-    /// (what no output tells), observer (linear up to functions of the output), flat (states and inputs from flat outputs),
+    /// (what no output shows), observer (linear up to functions of the output), flat (states and inputs from flat outputs),
     /// chained (two inputs without drift)
     #[arg(long, value_name = "FORM")]
     to: Form,
     /// Point near which branches are chosen, instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
-    /// Output that the form is about; all of the model where none is given; may be repeated
+    /// Output for the form; by default all outputs of the model; may be repeated
     #[arg(long = "output", value_name = "NAME", value_delimiter = ',')]
     outputs: Vec<String>,
-    /// Seconds after which the search ends
+    /// Stop the search after this many seconds
     #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = super::analyze::time_limit)]
     time_limit: Duration,
 }

@@ -55,19 +55,19 @@ fn mistakes_are_named() {
     let dir = scratch("certify_mistakes");
     let model = file(&dir, "m.toml", "states = ['x']\ninputs = ['u']\ndynamics = { x = 'u - x' }\n");
     for (arguments, named) in [
-        (&["--with", "v=-x"][..], "`v` is no input"),
+        (&["--with", "v=-x"][..], "the model has no input `v`"),
         (&["--with", "u"], "no expression"),
         (&["--with", "u=-z"], "unknown name"),
         (&["--with", "u=1", "--with", "u=2"], "set twice"),
-        (&["--degree", "3"], "none of 2 and 4"),
+        (&["--degree", "3"], "use 2 or 4"),
         (&["--time-limit", "nan"], "positive number"),
         (&["--at", "z=1"], "neither a state nor an input"),
-        (&["--axes", "x,z"], "no state"),
+        (&["--axes", "x,z"], "not a state"),
         (&["--check", "missing.json"], "cannot read"),
     ] {
         let o = bracketry(&[&["certify", &model], arguments].concat());
         assert!(code(&o) == 2 && text(&o.stderr).contains(named), "{arguments:?}: {}", text(&o.stderr));
     }
     let o = bracketry(&["certify", &model, "--at", "x=1"]);
-    assert!(code(&o) == 1 && text(&o.stdout).contains("no equilibrium"), "{}", text(&o.stdout));
+    assert!(code(&o) == 1 && text(&o.stdout).contains("not an equilibrium"), "{}", text(&o.stdout));
 }

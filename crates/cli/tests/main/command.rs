@@ -118,7 +118,7 @@ fn a_solution_that_blows_up_ends_with_code_1_and_its_time() {
     let o = bracketry(&["simulate", &path, "--scenario", &scenario]);
     assert_eq!(code(&o), 1);
     let said = String::from_utf8_lossy(&o.stdout);
-    assert!(said.contains("stopped at t = 1 s: `x` runs away there"), "{said}");
+    assert!(said.contains("stopped at t = 1 s: `x` diverges there"), "{said}");
 }
 
 #[test]

@@ -63,7 +63,7 @@ fn bad_input_has_the_exit_code_2_and_a_remedy() {
         (&["--language", "cpp"][..], "write one of c, rust, python, casadi, julia"),
         (&[], "--language <LANGUAGE>"),
         (&["--language", "c", "--parameters", "M"], "did you mean `m`?"),
-        (&["--language", "c", "--name", "my arm"], "begin with a letter"),
+        (&["--language", "c", "--name", "my arm"], "start with a letter"),
     ] {
         let o = bracketry(&[&["export", &model], arguments].concat());
         assert!(code(&o) == 2 && text(&o.stderr).contains(answer), "{arguments:?}: {}", text(&o.stderr));

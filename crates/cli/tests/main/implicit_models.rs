@@ -63,7 +63,7 @@ fn a_run_into_a_fold_is_a_negative_answer_that_names_equation_and_time() {
     assert_eq!(code(&o), 1, "{said}");
     // 2 (2 − ln 3) s.
     assert!(
-        said.contains("stopped at t = 1.80") && said.contains("that of `z`") && said.contains("residual"),
+        said.contains("stopped at t = 1.80") && said.contains("equation of `z`") && said.contains("residual"),
         "{said}"
     );
     let problem = "model = 'integrator.toml'\nplant = 'curved.toml'\nhorizon = { steps = 5, dt = 0.1 }\n\
@@ -72,7 +72,7 @@ fn a_run_into_a_fold_is_a_negative_answer_that_names_equation_and_time() {
     let o = within(&dir, &["control", "problem.toml"]);
     let said = text(&o.stderr);
     assert_eq!(code(&o), 1, "{said}");
-    assert!(said.contains("the plant stopped") && said.contains("that of `z`"), "{said}");
+    assert!(said.contains("the plant stopped") && said.contains("equation of `z`"), "{said}");
 }
 
 #[test]

@@ -281,7 +281,7 @@ fn a_peer_that_is_killed_ends_the_command() {
     closed.ask(&json!({"y": [1, 0]}));
     let (code, said) = closed.end();
     assert_eq!(code, 1);
-    assert!(said.contains("closed its end"), "{said}");
+    assert!(said.contains("closed the connection"), "{said}");
     // Both ends of the pipe are gone at once, with answers on the way.
     let mut gone = Peer::start(&problem, &[]);
     for _ in 0..50 {

@@ -75,8 +75,8 @@ fn identifiability_is_printed_as_text_and_json() {
         (&Value::from("u"), &Value::from(false))
     );
     for (arguments, expected) in [
-        (vec!["--identifiability", "--known-initial", "q"], "`q` is no state"),
-        (vec!["--identifiability", "--unknown-input", "v"], "`v` is no input"),
+        (vec!["--identifiability", "--known-initial", "q"], "the model has no state `q`"),
+        (vec!["--identifiability", "--unknown-input", "v"], "the model has no input `v`"),
         (vec!["--known-initial", "a"], "--identifiability"),
     ] {
         let o = bracketry(&[&["analyze", &model], &arguments[..]].concat());

@@ -37,7 +37,7 @@ fn a_run_says_what_it_ran_and_what_it_gave() {
     assert!(v["comparison"].is_null() && v["stopped"].is_null());
     let report = bracketry(&["plate", "2", "--model", "published", "--seconds", "4"]);
     let text = String::from_utf8_lossy(&report.stdout);
-    for part in ["reached after 2.3", "coulomb, mu 0.3", "stays in the world", "times real time"] {
+    for part in ["reached after 2.3", "coulomb, mu 0.3", "keeps its place in the inertial frame", "times real time"] {
         assert!(text.contains(part), "{part} in {text}");
     }
 }
@@ -151,7 +151,7 @@ fn bad_input_is_refused_with_place_and_remedy() {
         (&["--compare", "/nowhere.csv"], "/nowhere.csv: cannot be read"),
         (&["--compare", &no_plate, "--motion", "log"], "no columns plate_X and plate_theta"),
         (&["--compare", &one_second, "--motion", "log", "--seconds", "2"], "shorten --seconds"),
-        (&["--motion", "log"], "name one with --compare LOG.csv"),
+        (&["--motion", "log"], "add --compare LOG.csv"),
         (&["--mu", "-0.3"], "--mu: mu = -0.3 must not be negative; give a number"),
         (&["--mu", "nan"], "--mu: mu = NaN must not be negative"),
         (&["--shape", "circle:0.1"], "--shape: `circle:0.1` is not a shape; give disk:RADIUS"),
@@ -162,7 +162,7 @@ fn bad_input_is_refused_with_place_and_remedy() {
         (&["--shape", &absent], "/nowhere.csv cannot be read"),
         (&["--friction", "sticky:1"], "--friction: `sticky:1` is not a friction law; give coulomb"),
         (&["--friction", "static:0.1"], "mu_static = 0.1 is below mu = 0.3"),
-        (&["--model", "published", "--friction", "viscous:1"], "knows Coulomb friction only; omit --friction"),
+        (&["--model", "published", "--friction", "viscous:1"], "supports Coulomb friction only; omit --friction"),
         (&["--model", "rigid"], "--model: there is no model `rigid`; name one of published"),
         (&["--experiment", "4"], "--experiment: there is no experiment `4`; name 1"),
         (&["--omega", "2.5", "--experiment", "2"], "omega = 2.5 is not a whole number"),
@@ -173,7 +173,7 @@ fn bad_input_is_refused_with_place_and_remedy() {
         (&["--sample", "0.5"], "sample = 0.5 is not between 0 and 0.02 s"),
         (&["--dt", "1e9"], "dt = 1000000000 is not between 0 and 0.01 s"),
         (&["--points", "2.5"], "points = 2.5 is not a count"),
-        (&["--gif"], "name one with --out DIR"),
+        (&["--gif"], "add --out DIR"),
     ];
     for (arguments, part) in cases {
         let arguments = [&["plate"], arguments].concat();

@@ -65,7 +65,7 @@ fn a_log_that_is_mirrored_from_a_start_on_is_undecided_with_exit_code_one() {
         &format!("undecided from t = {at:.3} s on: opposite signs of the amplitude of θ"),
         "only the comparison before this time counts",
         "after, with the signs of the log",
-        "what depends on the sign         y by",
+        "affected by the sign             y by",
         "(given)",
     ] {
         assert!(text.contains(part), "`{part}` in {text}");
@@ -92,7 +92,7 @@ fn nothing_is_said_about_signs_that_errors_beyond_the_noise_decide() {
 fn noise_without_a_log_or_below_zero_is_refused() {
     let log = log("plate_noise", &[[0.0; 5], [1.0, 0.0, 0.0, 0.0, 0.0]]);
     for (options, part) in [
-        (vec!["--noise", "1e-3"], "--noise: there is no log; name one with --compare LOG.csv"),
+        (vec!["--noise", "1e-3"], "--noise: no log is given; add --compare LOG.csv"),
         (vec!["--noise", "-1", "--compare", &log], "--noise: noise = -1 must not be negative"),
     ] {
         let o = bracketry(&[&["plate", "3"], &options[..]].concat());

@@ -135,7 +135,7 @@ fn numbers_and_counts_are_readable() {
         String::from_utf8(bracketry(&["simulate", model, "--scenario", scenario]).stdout).unwrap()
     };
     assert!(said(&still, &long).contains(" 1e300 s simulated"), "{}", said(&still, &long));
-    assert!(said(&slider, &once).contains(", 1 change of mode\n"), "{}", said(&slider, &once));
+    assert!(said(&slider, &once).contains(", 1 mode change\n"), "{}", said(&slider, &once));
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn springs_that_do_not_explain_the_data_are_not_written() {
     let springs = RobotFile::read(model("kr125.toml")).unwrap().springs.unwrap();
     for (name, text, exit, said) in [
         ("poses", measured(&springs, 12, [1.0; 3], 2.5e-7), 1, "`gap`"),
-        ("tool", measured(&springs, 1, [1.0; 3], 2.5e-7), 0, "predicts better than the springs"),
+        ("tool", measured(&springs, 1, [1.0; 3], 2.5e-7), 0, "predicts better than the joint springs"),
     ] {
         let data = file(&dir, &format!("{name}.csv"), &text);
         let out = dir.join(name);
@@ -187,7 +187,7 @@ fn lost_motion_is_named_and_identified_from_what_the_report_says() {
     let o = bracketry(&["stiffness", "identify", &data, &model("kr125.toml"), "--json"]);
     assert_eq!(code(&o), 1, "{}", String::from_utf8_lossy(&o.stderr));
     let v: serde_json::Value = serde_json::from_slice(&o.stdout).unwrap();
-    assert!(v["outliers_kept"].as_str().unwrap().contains("no matter of outliers"), "{v}");
+    assert!(v["outliers_kept"].as_str().unwrap().contains("these are not outliers"), "{v}");
     assert!(v["withheld"].as_str().unwrap().starts_with("lost motion in joints explains"), "{v}");
     let found = v["unexplained"]["lost_motion"].as_array().unwrap();
     let mut joints: Vec<u64> = found.iter().map(|lost| lost["joint"].as_u64().unwrap()).collect();

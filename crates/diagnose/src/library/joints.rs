@@ -108,7 +108,7 @@ impl Builder {
     ) -> Result<(), DiagnoseError> {
         let (v, other) = (self.state(a.rate), self.state(b.rate));
         let k = self.name(&format!("joint_{what}_{other}"), &v);
-        let about = format!("what the {what} of {other} does to {v}");
+        let about = format!("effect of the {what} of {other} on {v}");
         let c = amplitude(k.clone(), unit, about);
         self.along(Cause::JointCoupling, a.rate, direction, &format!("{k}*{law}"), vec![c])
     }

@@ -140,15 +140,19 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
             "turn the device by 180 degrees about the vertical and repeat: the force of a slope reverses, that of a bias turns with the device".to_owned()
         }
         (FrictionAsymmetry, ConstantBias | Tilt) => format!(
-            "hold several constant speeds of {} in both directions, from slow to fast: a constant force is the same at all of them, direction-dependent friction grows with speed; of its Coulomb part only turning the device by 180 degrees tells a slope",
+            "hold several constant speeds of {} in both directions, from slow to fast: a constant force is the same \
+             at all of them, direction-dependent friction grows with speed; turning the device by 180 degrees \
+             separates its Coulomb part from a slope",
             a.equation
         ),
         (CoulombFriction | ViscousFriction, Backlash) => format!(
-            "measure {q} on both sides of the drive, and reverse slowly with small strokes: with play the driven side stands still for the same distance whatever the force"
+            "measure {q} on both sides of the drive, and reverse slowly with small strokes: with play, the driven \
+             side does not move over the same distance for any force"
         ),
         (LinearStiffness, CubicStiffness) => format!("use strokes of {q} twice and half as long: the cubic force changes eightfold"),
         (LinearStiffness | CubicStiffness, PeriodicDisturbance) => {
-            format!("travel slowly over several periods of {q}, as far as the device allows: a spring does not repeat")
+            format!("travel slowly over several periods of {q}, as far as the device allows: the force of a spring \
+                     is not periodic")
         }
         (LinearStiffness | CubicStiffness | ConstantBias | Tilt, SensorBias) => format!(
             "release the device at several positions and measure where it rests, with {q} read off by a second instrument"
@@ -157,25 +161,30 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
             format!("add content to the input at {}: a lag also makes the response smaller there, a delay does not", corner([a, b]))
         }
         (InputDelay | ActuatorLag, SensorDelay) => {
-            "record the input where it acts with the same instrument as the motion (or one event, as a knock, with all instruments): a delay of the sensors shifts that record too".to_owned()
+            "record the input where it acts with the same instrument as the motion (or one event, such as a knock, \
+             with all instruments): a delay of the sensors shifts that record too".to_owned()
         }
         (InputGain, ParameterError) => {
-            "add a known mass, or hang a known weight on the drive: a wrong gain changes the answer to the input, not that to the weight".to_owned()
+            "add a known mass, or hang a known weight on the drive: a wrong gain changes the response to the input, \
+             not to the weight".to_owned()
         }
         (FrictionCoupling, AnisotropicFriction) => {
             "slide in straight lines along each axis and at 45 degrees between them: coupled friction has the same level in all directions".to_owned()
         }
         (PressureRadius, AnisotropicFriction | FrictionCoupling) => {
-            "spin the body without sliding, then slide it without spin along each axis: where the pressure stands shows in the first only".to_owned()
+            "spin the body without sliding, then slide it without spin along each axis: the location of the pressure \
+             affects only the first".to_owned()
         }
         (YawFriction | ViscousFriction, PressureRadius) => {
-            "let the body spin out without sliding, from a fast and from a slow spin: friction of the pressure at a radius is the same at all spins".to_owned()
+            "let the body spin out without sliding, from a fast and from a slow spin: friction of pressure at a \
+             radius is the same at all spin rates".to_owned()
         }
         (YawFriction, FrictionCoupling) => {
-            "spin the body without sliding, then slide it without spin along a slanted line: friction of the spin acts in the first only, coupling of the axes in the second only".to_owned()
+            "spin the body without sliding, then slide it without spin along a slanted line: spin friction acts only \
+             in the first, coupling of the axes only in the second".to_owned()
         }
         (AnisotropicFriction | PressureRadius | YawFriction | FrictionCoupling, ComOffset) => {
-            "repeat with the body turned by 90 and 180 degrees: what comes from its center of mass turns with the body".to_owned()
+            "repeat with the body turned by 90 and 180 degrees: the effect of its center of mass turns with the body".to_owned()
         }
         (InertialCoupling, YawFriction | FrictionCoupling) | (AnisotropicFriction | PressureRadius, InertialCoupling) => {
             "repeat the same motion at half the frequency: inertial forces fall to a quarter, dry friction stays".to_owned()
@@ -195,7 +204,9 @@ fn by_family(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     let q = position(if fa == Family::Position { a } else { b }, system);
     if either(Family::Rate, Family::Rate) {
         return Some(format!(
-            "hold constant speeds of {v} over a wider range, in both directions, the fastest at least twice and the slowest at most a tenth of those now: the force needed shows the law (level: Coulomb, straight: viscous, parabola: drag, a peak or dip at the slow end: Stribeck or concave, not odd: asymmetry)"
+            "hold constant speeds of {v} over a wider range, in both directions, the fastest at least twice and the \
+             slowest at most a tenth of the present ones: the required force shows the law (flat: Coulomb, straight: \
+             viscous, parabola: drag, a peak or dip at the slow end: Stribeck or concave, not odd: asymmetry)"
         ));
     }
     if either(Family::Rate, Family::Constant) {
@@ -210,23 +221,29 @@ fn by_family(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     }
     if either(Family::Position, Family::Constant) {
         return Some(format!(
-            "work around two positions {q} far apart: an elastic force differs between them, a constant one does not"
+            "operate around two positions {q} far apart: an elastic force differs between them, a constant one does not"
         ));
     }
     if either(Family::Timing, Family::Timing) {
         return Some(format!(
-            "add content to the inputs at {}, one input at a time, and record what acts with the same instrument",
+            "add content to the inputs at {}, one input at a time, and record the acting signals with the same \
+             instrument",
             corner([a, b])
         ));
     }
     if fa == Family::Timing || fb == Family::Timing {
         return Some(format!(
-            "add content to the input at {}: what is late by the same time at all frequencies is a delay; a force shows at low frequencies, too",
+            "add content to the input at {}: a delay is the same at all frequencies; a force also acts at low \
+             frequencies",
             corner([a, b])
         ));
     }
     if either(Family::Coupling, Family::Rate) {
-        return Some("move one coordinate with the others held, then the others with this one held: a coupling shows in the second run only".to_owned());
+        return Some(
+            "move one coordinate with the others held, then the others with this one held: a coupling \
+                     appears only in the second run"
+                .to_owned(),
+        );
     }
     if fa == Family::Scale || fb == Family::Scale {
         return Some(format!(

@@ -44,8 +44,8 @@ pub(super) fn check_rates(
         let names = (system.symbol_name(system.states[state]), system.symbol_name(rate));
         if let Some((stuck, other)) = stuck(record, (position, noise), (rates, rate_noise), names, settings) {
             return Err(origin.whole(
-                format!("`{stuck}` never changes although `{other}` says that it does"),
-                format!("its sensor is dead, or the column means something else: remove the column `{stuck}`"),
+                format!("`{stuck}` never changes, although `{other}` indicates motion"),
+                format!("its sensor is dead, or the column has another meaning: remove the column `{stuck}`"),
             ));
         }
         let Some((slope, correlation)) = compare(record, position, noise, rates, settings) else {
@@ -59,7 +59,7 @@ pub(super) fn check_rates(
             warnings.push(Warning::Reversed { name: name.to_owned(), rate: says.to_owned() });
         } else if let Some((_, meaning)) = UNITS.iter().find(|(factor, _)| near(*factor)) {
             return Err(origin.whole(
-                format!("`{name}` moves {slope:.4} times as far as `{says}` says"),
+                format!("`{name}` moves {slope:.4} times as far as `{says}` indicates"),
                 format!("{meaning}: convert to SI units (m, rad, s)"),
             ));
         } else if !near(1.0) {

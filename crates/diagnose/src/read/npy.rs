@@ -33,7 +33,7 @@ pub(super) fn numbers(bytes: &[u8]) -> Result<Vec<f64>, String> {
 fn parts(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
     const MAGIC: &[u8] = b"\x93NUMPY";
     const CUT: &str = "is truncated";
-    let rest = bytes.strip_prefix(MAGIC).ok_or("is no array of NumPy")?;
+    let rest = bytes.strip_prefix(MAGIC).ok_or("is not a NumPy array")?;
     let (version, rest) = rest.split_at_checked(2).ok_or(CUT)?;
     let (length, rest) = if version[0] == 1 {
         let (length, rest) = rest.split_first_chunk().ok_or(CUT)?;

@@ -117,7 +117,7 @@ fn build(
     let clock = Clock::of(origin, &roles.times, settings.limits.gap)?;
     for (column, values) in roles.driving() {
         if let Some(row) = values.iter().position(|v| !v.is_finite()) {
-            let remedy = "an input must be known at all times: correct or remove the row";
+            let remedy = "inputs must be given at all times: correct or remove the row";
             return Err(origin.at(row, &column, "not a finite number", remedy).into());
         }
         check_size(origin, &column, values)?;

@@ -119,7 +119,7 @@ impl Roles {
         if !missing.is_empty() {
             let message =
                 format!("the model uses {}, for which there is no column; there are {found}", missing.join(", "));
-            let remedy = format!("add a column, or say which one it is: --rename column={}", missing[0]);
+            let remedy = format!("add a column, or name an existing one: --rename column={}", missing[0]);
             return Err(origin.whole(message, remedy));
         }
         Ok(roles)

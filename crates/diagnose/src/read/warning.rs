@@ -109,7 +109,7 @@ impl Warning {
             Warning::Constant { name, value, .. } => format!("`{name}` is {} throughout", readable(*value)),
             Warning::Lost { name, count, samples } => format!("`{name}`: {count} of {samples} values were lost"),
             Warning::Saturated { name, count } => {
-                format!("`{name}` stays at its smallest or largest value for {count} samples in rows")
+                format!("`{name}` stays at its smallest or largest value for {count} samples in runs")
             }
             Warning::Coarse { name, step } => {
                 format!("`{name}` is rounded to multiples of {step:.3e}, as coarse as its noise")
@@ -121,15 +121,15 @@ impl Warning {
             Warning::Uneven { jitter } => format!("the steps in time vary by {:.0} %", 100.0 * jitter),
             Warning::Gaps { count, after } => {
                 let at: Vec<String> = after.iter().map(ToString::to_string).collect();
-                format!("{} in time, the run goes on at t = {} s", counted(*count, "gap", "gaps"), at.join(", "))
+                format!("{} in time, the run continues at t = {} s", counted(*count, "gap", "gaps"), at.join(", "))
             }
             Warning::Slow { step } => format!("the samples are {step} s apart"),
             Warning::Unrelated { name, rate, correlation } => {
-                format!("`{name}` does not move as `{rate}` says (correlation {correlation:.2})")
+                format!("`{name}` does not move as `{rate}` indicates (correlation {correlation:.2})")
             }
             Warning::Reversed { name, rate } => format!("`{name}` moves against `{rate}`"),
             Warning::Scaled { name, rate, factor } => {
-                format!("`{name}` moves {factor:.3} times as far as `{rate}` says")
+                format!("`{name}` moves {factor:.3} times as far as `{rate}` indicates")
             }
             Warning::LargeAngle { name, largest } => format!("the angle `{name}` reaches {largest:.4} rad"),
         }
@@ -139,20 +139,20 @@ impl Warning {
     pub fn remedy(&self) -> &'static str {
         match self {
             Warning::Constant { input: true, .. } => {
-                "what acts through it cannot be told from an offset; move it to find out"
+                "its effect cannot be distinguished from an offset; vary it in the experiment"
             }
             Warning::Constant { .. } => {
-                "it says nothing about the motion; if it should move, its sensor is dead: remove the column"
+                "it contains no information on the motion; if it should move, its sensor is dead: remove the column"
             }
-            Warning::Lost { .. } => "they are left out; check the sensor if they are many",
+            Warning::Lost { .. } => "they are omitted; check the sensor if there are many",
             Warning::Saturated { .. } => "if the sensor saturates there, leave these entries empty",
-            Warning::Coarse { .. } => "record it with more digits if there are more",
-            Warning::Noisy { .. } => "move more, or measure better",
-            Warning::Correlated { .. } => "it comes through a filter: a delay of the sensor may be that of the filter",
+            Warning::Coarse { .. } => "record it with more digits if available",
+            Warning::Noisy { .. } => "use larger motions or a better sensor",
+            Warning::Correlated { .. } => "it is filtered: a delay of the sensor may be that of the filter",
             Warning::Uneven { .. } => {
-                "the times are taken as exact; check that they are those of the measurement, not of the logging"
+                "the times are taken as exact; check that they are measurement times, not logging times"
             }
-            Warning::Gaps { .. } => "the parts are used, each with its own initial state",
+            Warning::Gaps { .. } => "each part is used with its own initial state",
             Warning::Slow { .. } => {
                 "t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples"
             }

@@ -230,7 +230,7 @@ impl fmt::Display for Verdict {
             Verdict::CauseFound => "cause found",
             Verdict::NothingFound => "nothing found",
             Verdict::Unexplained => "unexplained",
-            Verdict::Uninformative => "the data cannot tell",
+            Verdict::Uninformative => "uninformative data",
         })
     }
 }
@@ -239,7 +239,7 @@ impl fmt::Display for Value {
     /// `0.520 ± 0.010 kg/s (95 %: 0.50 … 0.54)`; `1 (as a whole, not fitted)` of a term that is there or not.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.std == 0.0 && self.interval == Some([self.value; 2]) {
-            return write!(f, "{} (as a whole, not fitted)", self.value);
+            return write!(f, "{} (whole term, not fitted)", self.value);
         }
         write!(f, "{} ± {}", measured(self.value, self.std), significant(self.std, 2))?;
         if !self.unit.is_empty() {

@@ -103,7 +103,7 @@ pub enum Rescaling {
     Thousands,
     /// π/180: it is in degrees.
     Degrees,
-    /// 180/π: it is in radians where the model wants degrees.
+    /// 180/π: it is in radians where the model uses degrees.
     Radians,
 }
 
@@ -174,6 +174,6 @@ pub enum Closeness {
         /// Those that would rule it out.
         margin: f64,
     },
-    /// It leaves little more, compared with what no cause explains.
+    /// It leaves only slightly more, compared with what no cause explains.
     LittleMore,
 }

@@ -126,7 +126,7 @@ fn what_cannot_be_applied_leaves_the_model_as_it_was() {
         (term("c*speed"), "speed"),
         (term("c*der(y)"), "not an input"),
         (effect(nothing), "tan(y)"),
-        (taken, "`mu` already"),
+        (taken, "already has a `mu`"),
         (elsewhere, "no state `z`"),
     ] {
         let mut system = System::parse("plate", PLATE).unwrap();

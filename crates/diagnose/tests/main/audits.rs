@@ -93,7 +93,7 @@ fn columns_that_do_not_fit_are_pointed_out() {
     let mut other = Swing::new(4);
     other.w = other.times.iter().map(|t| (17.0 * t).cos()).collect();
     let other = other.warnings();
-    assert!(other.contains("does not move as `w` says"), "{other}");
+    assert!(other.contains("does not move as `w` indicates"), "{other}");
 }
 
 #[test]

@@ -257,7 +257,7 @@ fn a_sensor_that_shows_no_motion_beside_one_that_does_is_refused() {
         let mut columns = RUN.columns();
         columns.insert(dead.into(), vec![3.0; 800]);
         let message = read(columns, None).unwrap_err().to_string();
-        assert!(message.contains(&format!("`{dead}` never changes although `{other}`")), "{message}");
+        assert!(message.contains(&format!("`{dead}` never changes, although `{other}`")), "{message}");
         assert!(message.contains("remove the column"), "{message}");
     }
     // At rest both are still.

@@ -42,7 +42,7 @@ fn header(made: &Export, functions: &[Compiled]) -> String {
     }
     let _ = write!(
         out,
-        " *\n * Matrices are stored row by row. No function allocates or keeps anything; results may overlap with arguments.\n */\n\
+        " *\n * Matrices are stored row by row. No function allocates memory or keeps state; results may overlap with arguments.\n */\n\
          #ifndef {upper}_H\n#define {upper}_H\n\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n"
     );
     let sizes = [

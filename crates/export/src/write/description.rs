@@ -10,7 +10,7 @@ pub(crate) fn description(made: &Export) -> Vec<String> {
     let output = if made.outputs.is_empty() { String::new() } else { format!(", y = h({arguments})") };
     let mut lines = vec![
         format!("Model {}: dx/dt = f({arguments}){output}, and their Jacobians.", made.model),
-        format!("Written by bracketry {}. Change the model and write this file anew.", env!("CARGO_PKG_VERSION")),
+        format!("Written by bracketry {}. Do not edit: change the model and export again.", env!("CARGO_PKG_VERSION")),
     ];
     let place = |array: &str, i: usize| index(made.target.language(), array, i);
     let mut quantities = |title: &str, array: &str, list: &[Quantity]| {

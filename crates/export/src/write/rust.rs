@@ -17,7 +17,7 @@ pub(crate) fn write(made: &mut Export, functions: &[Compiled]) {
         let _ = writeln!(out, "//!{space}{}", line.replace("```", "'''"));
     }
     out.push_str(
-        "//! ```\n//!\n//! Nothing is allocated. Without the standard library, give `f64` its functions by a trait, as `use num_traits::Float;` does\n\
+        "//! ```\n//!\n//! No function allocates. Without the standard library, provide the functions of `f64` by a trait, such as `use num_traits::Float;`\n\
          //! (feature `libm`).\n\
          #![allow(unused_variables, unused_parens, dead_code, non_snake_case, clippy::all)]\n\n",
     );

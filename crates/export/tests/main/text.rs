@@ -136,7 +136,7 @@ fn julia_of_a_pendulum() {
     let made = export(&system, &options).unwrap();
     let expected = "\
 # Model pendulum: dx/dt = f(t, x, u, p), y = h(t, x, u, p), and their Jacobians.
-# Written by bracketry 0.1.0. Change the model and write this file anew.
+# Written by bracketry 0.1.0. Do not edit: change the model and export again.
 #
 # States:
 #   x[1] = th

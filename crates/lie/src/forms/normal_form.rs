@@ -63,7 +63,7 @@ impl Form {
 
 /// A name that is no form.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{name}` is no form: {remedy}")]
+#[error("`{name}` is not a form: {remedy}")]
 pub struct UnknownForm {
     /// The name.
     pub name: String,
@@ -179,7 +179,7 @@ pub struct Part {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum FormNote {
-    /// An output has no closed form in the new coordinates and is left out.
+    /// An output has no closed form in the new coordinates and is omitted.
     OutputOmitted {
         /// Its name.
         output: String,

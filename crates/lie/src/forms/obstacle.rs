@@ -31,7 +31,7 @@ pub enum Obstacle {
     #[error("the model has no outputs")]
     NoOutputs,
     /// An input acts later than it is commanded.
-    #[error("the input {input} acts with a delay, so that a feedback cannot cancel what happens now")]
+    #[error("the input {input} acts with a delay, so feedback cannot cancel terms at once")]
     Delay {
         /// The input.
         input: String,
@@ -40,7 +40,7 @@ pub enum Obstacle {
     #[error("an output depends on an input directly: its relative degree is 0")]
     FedThrough,
     /// The fields of the inputs are dependent.
-    #[error("the fields of the {inputs} inputs span {rank} dimensions: some inputs do the same as others")]
+    #[error("the fields of the {inputs} inputs span {rank} dimensions: some inputs are redundant")]
     DependentInputs {
         /// Their number.
         inputs: usize,
@@ -54,9 +54,7 @@ pub enum Obstacle {
         index: usize,
     },
     /// The distributions D_i end below the dimension of the state.
-    #[error(
-        "the distributions D_i end at dimension {dimension} of {states}: a part of the state is out of the inputs' reach"
-    )]
+    #[error("the distributions D_i end at dimension {dimension} of {states}: the inputs do not reach all of the state")]
     NotReached {
         /// Dimension at which they end.
         dimension: usize,
@@ -67,7 +65,7 @@ pub enum Obstacle {
     #[error("the condition holds, but no linearizing outputs were found in closed form")]
     NoLinearizingOutputs,
     /// There are more or fewer outputs than inputs.
-    #[error("{outputs} outputs are taken for {inputs} inputs, and the form needs as many")]
+    #[error("{outputs} outputs are selected for {inputs} inputs: the form needs as many outputs as inputs")]
     NotSquare {
         /// Number of outputs.
         outputs: usize,
@@ -75,7 +73,7 @@ pub enum Obstacle {
         inputs: usize,
     },
     /// The form is of one output.
-    #[error("{outputs} outputs are taken, and the form needs one")]
+    #[error("{outputs} outputs are selected: the form needs one")]
     NotSingle {
         /// Number of outputs.
         outputs: usize,
@@ -122,7 +120,8 @@ pub enum Obstacle {
     },
     /// The equation of the output is not linear up to functions of it (Krener and Isidori; Krener and Respondek).
     #[error(
-        "in the differential equation of the output, the factor of the derivative of order {order} is no function of the output alone, with any new output"
+        "in the differential equation of the output, the coefficient of the derivative of order {order} is not a \
+         function of the output alone, for any choice of a new output"
     )]
     OutputInjection {
         /// Which.
@@ -130,7 +129,8 @@ pub enum Obstacle {
     },
     /// An input enters with a factor that is no function of the output.
     #[error(
-        "the factor of the input {input} in the equation of coordinate {coordinate} is no function of the output alone"
+        "the coefficient of the input {input} in the equation of coordinate {coordinate} is not a function of the \
+         output alone"
     )]
     InputInjection {
         /// The input.
@@ -145,16 +145,16 @@ pub enum Obstacle {
         function: Function,
     },
     /// The chained form is one of two inputs.
-    #[error("the chained form is one of two independent inputs, and there are {independent}")]
+    #[error("the chained form has two independent inputs: the model has {independent}")]
     NotTwoInputs {
         /// Independent input fields.
         independent: usize,
     },
     /// The equations do not vanish with the inputs.
-    #[error("the equations do not vanish with the inputs, and the chained form is one without drift")]
+    #[error("the equations do not vanish with the inputs, but the chained form has no drift")]
     Drift,
     /// The derived flag does not grow by one.
-    #[error("the derived flag of the two inputs has dimensions {}, and not 2, 3, … up to the number of states", listed(.dimensions))]
+    #[error("the derived flag of the two inputs has dimensions {}, not 2, 3, … up to the number of states", listed(.dimensions))]
     DerivedFlag {
         /// Its dimensions at a generic point.
         dimensions: Vec<usize>,
@@ -190,7 +190,7 @@ pub enum Obstacle {
         why: String,
     },
     /// The point is no equilibrium.
-    #[error("the model is not linear, and its point is no equilibrium (derivatives up to {residual:.3})")]
+    #[error("the model is not linear, and its point is not an equilibrium (derivatives up to {residual:.3})")]
     NotAtRest {
         /// Largest derivative.
         residual: f64,

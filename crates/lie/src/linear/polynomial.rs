@@ -24,7 +24,7 @@ impl<'de> Deserialize<'de> for MultivariatePolynomial {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let mut p = Self::default();
         for (m, c) in Vec::<(Vec<u32>, String)>::deserialize(deserializer)? {
-            let c = c.parse::<Rational>().map_err(|_| D::Error::custom(format!("`{c}` is no rational number")))?;
+            let c = c.parse::<Rational>().map_err(|_| D::Error::custom(format!("`{c}` is not a rational number")))?;
             p.add_term(m, c);
         }
         Ok(p)

@@ -83,14 +83,14 @@ impl LinearModel {
 pub enum NotLinearizable {
     /// The equations use a derivative of an input.
     #[error(
-        "the equations use derivatives of the input {input}: make the model affine first, which makes states of them"
+        "the equations use derivatives of the input {input}: make the model affine first, so that they become states"
     )]
     InputDerivative {
         /// The input.
         input: String,
     },
     /// The equations have a jump or a kink at the point.
-    #[error("the equations jump or have a kink where {name} = 0, as at this point: linearize at a point beside it")]
+    #[error("the equations jump or have a kink where {name} = 0, as at this point: linearize at a nearby point")]
     NotSmooth {
         /// The switching function.
         name: String,

@@ -92,7 +92,7 @@ pub enum LinearizeError {
     #[error(transparent)]
     NotLinearizable(#[from] NotLinearizable),
     /// A list of weights of the wrong length.
-    #[error("{found} {what} are given where {expected} are needed: give one for all, or one for each")]
+    #[error("{found} {what} are given, but {expected} are needed: give one for all, or one for each")]
     Weights {
         /// What is given.
         what: &'static str,
@@ -102,7 +102,7 @@ pub enum LinearizeError {
         expected: usize,
     },
     /// A weight that does not give a cost or a covariance.
-    #[error("{value} is among the {what}: give {} numbers", if *.positive { "positive" } else { "nonnegative" })]
+    #[error("the {what} contain {value}: give {} numbers", if *.positive { "positive" } else { "nonnegative" })]
     Weight {
         /// What is given.
         what: &'static str,

@@ -18,7 +18,7 @@ pub struct TrimOptions {
     pub free: Vec<String>,
     /// States whose derivative need not vanish, such as the position of a vehicle at constant speed.
     pub moving: Vec<String>,
-    /// Random starts besides the model's point.
+    /// Number of random starts in addition to the model's point.
     pub starts: usize,
     /// Of the random starts.
     pub seed: u64,
@@ -139,7 +139,7 @@ impl Trim {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TrimError {
     /// A name that is neither a state nor an input, or not of the kind that the option needs.
-    #[error("`{name}` is no {expected} of the model: it has {known}")]
+    #[error("the model has no {expected} `{name}`: it has {known}")]
     UnknownName {
         /// The name.
         name: String,

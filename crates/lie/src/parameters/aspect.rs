@@ -336,7 +336,7 @@ pub enum NotLinear {
 impl fmt::Display for NotLinear {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            NotLinear::NoEquilibrium => "the point is no equilibrium for all values of the parameters",
+            NotLinear::NoEquilibrium => "the point is not an equilibrium for all values of the parameters",
             NotLinear::NoValue => "a derivative has no value at the point",
         })
     }

@@ -148,7 +148,7 @@ pub enum ParameterError {
         name: String,
     },
     /// A range of a map.
-    #[error("`{text}` is no map: write two parameters with their ranges, such as a=0..2,b=-1..1")]
+    #[error("`{text}` is not a map: write two parameters with their ranges, such as a=0..2,b=-1..1")]
     Map {
         /// The text.
         text: String,

@@ -32,7 +32,7 @@ pub enum MinimumPhaseReason {
     #[error("every point of the zero dynamics is at rest")]
     AtRest,
     /// z' = c z^k + …
-    #[error("the zero dynamics begin with a multiple of {state}^{order}")]
+    #[error("the leading term of the zero dynamics is a multiple of {state}^{order}")]
     Order {
         /// The coordinate.
         state: String,
@@ -40,22 +40,22 @@ pub enum MinimumPhaseReason {
         order: usize,
     },
     /// A Lyapunov function.
-    #[error("the Lyapunov function {function} falls along all motions near the equilibrium (LaSalle)")]
+    #[error("the Lyapunov function {function} decreases along all motions near the equilibrium (LaSalle)")]
     Lyapunov {
         /// The function.
         function: Function,
     },
     /// The same backwards in time.
-    #[error("{function} rises along all motions near the equilibrium, which is unstable")]
+    #[error("{function} increases along all motions near the equilibrium, which is unstable")]
     Repels {
         /// The function.
         function: Function,
     },
     /// A first integral.
-    #[error("{function} never changes{}", if *.stable {
-        " and has a strict extremum at the equilibrium: only stable, not asymptotically"
+    #[error("{function} is constant along motions{}", if *.stable {
+        " and has a strict extremum at the equilibrium: stable, but not asymptotically"
     } else {
-        ", so that the motions nearby do not all approach the equilibrium"
+        ", so not all nearby motions approach the equilibrium"
     })]
     Conserved {
         /// The integral.
@@ -64,7 +64,7 @@ pub enum MinimumPhaseReason {
         stable: bool,
     },
     /// s' = c s^k + … on a center manifold of dimension 1.
-    #[error("on the center manifold the motion begins with a {} multiple of the power {order} (Carr 1981)",
+    #[error("on the center manifold, the leading term is a {} multiple of the power {order} (Carr 1981)",
         if *.falls { "negative" } else { "positive" })]
     CenterManifold {
         /// k.
@@ -81,7 +81,7 @@ pub enum MinimumPhaseReason {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FlatnessReason {
     /// Flat systems are strongly accessible.
-    #[error("not strongly accessible: some function of the state no input influences")]
+    #[error("not strongly accessible: no input influences some function of the state")]
     NotAccessible,
     /// Flat by static feedback.
     #[error("linearizable by static feedback")]
@@ -93,19 +93,21 @@ pub enum FlatnessReason {
     OneInput,
     /// The velocities that the inputs give do not form a ruled manifold.
     #[error(
-        "no line lies in the set of velocities that the inputs give, which is no ruled manifold (Rouchon 1994, Sluis 1993)"
+        "the set of velocities that the inputs give contains no line, so it is not a ruled manifold (Rouchon 1994, \
+         Sluis 1993)"
     )]
     NotRuled,
     /// The new inputs of the affine form are not independent functions of the old ones.
     #[error(
-        "the affine form has inputs that depend on each other; its flatness says nothing of the model, and the model's velocities are not seen to exclude it"
+        "the affine form has dependent inputs; its flatness does not decide that of the model, and the model's \
+         velocities are not known to exclude flatness"
     )]
     DependentInputs,
     /// m = n − 1.
-    #[error("accessible with one input less than states (Charlet, Lévine and Marino 1989)")]
+    #[error("accessible with one input fewer than states (Charlet, Lévine and Marino 1989)")]
     OneInputLess,
     /// m = n − 2 without drift.
-    #[error("accessible without drift, with two inputs less than states (Martin and Rouchon 1995)")]
+    #[error("accessible without drift, with two inputs fewer than states (Martin and Rouchon 1995)")]
     TwoInputsLess,
     /// Outputs of the model with which the dynamic extension algorithm ends.
     #[error("dynamic feedback linearizes the system by the outputs of the model")]

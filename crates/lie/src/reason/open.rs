@@ -38,9 +38,7 @@ pub enum Reason {
     #[error("the smoothed model has no point")]
     NoPoint,
     /// Not all brackets were formed at the point.
-    #[error(
-        "at least {least} (the generic dimension bounds it above): brackets longer than {length} were not formed{limit}"
-    )]
+    #[error("at least {least} and at most the generic dimension: brackets longer than {length} were not formed{limit}")]
     Brackets {
         /// Dimension that was found.
         least: usize,
@@ -50,13 +48,13 @@ pub enum Reason {
         limit: BracketLimit,
     },
     /// Brockett's condition: [A B] has not full rank and no direction is seen to be missed.
-    #[error("neither a submersion nor seen to miss a direction")]
+    #[error("not a submersion, and no missed direction was found")]
     NoSubmersion,
     /// The linearization cannot be evaluated.
     #[error("the linearization has no numerical value: a parameter has none")]
     NoNumbers,
     /// The exact rank of Kalman's matrix is not found again in floating point.
-    #[error("the controllable subspace is not clear of rounding")]
+    #[error("rounding hides the controllable subspace")]
     Rounding,
     /// An uncontrollable eigenvalue decides nothing.
     #[error("the linearization has an uncontrollable eigenvalue on, or too near, the imaginary axis")]
@@ -69,12 +67,12 @@ pub enum Reason {
     NoConvergence,
     /// Smooth feedback cannot stabilize; other feedback may.
     #[error(
-        "the linearization has an unstable uncontrollable mode: no continuously differentiable feedback that keeps the \
-         inputs of the point there stabilizes"
+        "the linearization has an unstable uncontrollable mode: no continuously differentiable feedback with the \
+         given inputs at the point stabilizes it"
     )]
     UnstableMode,
     /// The zero dynamics have inputs left.
-    #[error("the outputs leave inputs free, which may stabilize what is left")]
+    #[error("holding the outputs leaves inputs free, which may stabilize the remaining dynamics")]
     FreeInputs,
     /// The point is no equilibrium of the zero dynamics.
     #[error("the point is not an equilibrium of the zero dynamics")]
@@ -92,13 +90,13 @@ pub enum Reason {
     #[error("the zero dynamics have eigenvalues on the imaginary axis")]
     ZeroDynamicsOnAxis,
     /// Nor do higher derivatives.
-    #[error("the derivatives of the zero dynamics at the point do not decide")]
+    #[error("the derivatives of the zero dynamics at the point do not decide stability")]
     Derivatives,
     /// The integrals that linearize were not found.
     #[error("the linearizing outputs were not found in closed form")]
     NoLinearizingOutputs,
     /// The verdict on the affine form does not transfer: its inputs are not free at the point.
-    #[error("at the point the old inputs do not move {} freely to all sides", equations(.inputs))]
+    #[error("at the point, the old inputs cannot vary {} freely in all directions", equations(.inputs))]
     InputsNotFree {
         /// The new inputs as functions of the old ones.
         inputs: Vec<(String, Function)>,
@@ -126,8 +124,8 @@ impl fmt::Display for BracketLimit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             BracketLimit::Length => "",
-            BracketLimit::Count => ": they are too many",
-            BracketLimit::Size => ": they are too large",
+            BracketLimit::Count => " (too many)",
+            BracketLimit::Size => " (too large)",
         })
     }
 }
@@ -137,7 +135,8 @@ impl fmt::Display for BracketLimit {
 pub enum SwitchingReason {
     /// Lower and upper bound differ.
     #[error(
-        "between {least} (the modes and crossings that were followed) and {most} (the fields of all modes together): {why}"
+        "between {least} (the modes and crossings that were examined) and {most} (the fields of all modes together): \
+         {why}"
     )]
     Bounds {
         /// Dimension of what is reached at least.
@@ -151,22 +150,22 @@ pub enum SwitchingReason {
     #[error("no point was found at which the signs of a mode hold")]
     NoMode,
     /// There are too many pairs of modes.
-    #[error("{0} pairs of modes differ in one sign and in what they reach, more than are followed")]
+    #[error("{0} pairs of modes differ in one sign and in the set they reach, too many to examine")]
     Pairs(usize),
     /// A switching function is affine in no state.
     #[error("{0} = 0 was not solved for a state in which it is affine")]
     Unsolved(Function),
     /// Filippov's solutions may leave what both modes keep.
-    #[error("the motion may slide along {0} = 0, which can lead out of what crossing it reaches")]
+    #[error("the motion may slide along {0} = 0 and so leave the set that crossing it reaches")]
     Sliding(Function),
     /// A crossing that may not occur.
     #[error("no point of {0} = 0 was found at which the other switching functions have the signs of both modes")]
     NotSeen(Function),
     /// Orbits across several surfaces that differ.
-    #[error("orbits across several surfaces differ, and were followed across one at a time")]
+    #[error("orbits across several surfaces differ; only one surface was crossed at a time")]
     SeveralSurfaces,
     /// Which functions are reached was not looked for.
-    #[error("which functions switching reaches is found only where the fields of all modes act together")]
+    #[error("the functions that switching reaches are determined only where the fields of all modes act together")]
     FunctionsOpen,
     /// An exact test cannot tell.
     #[error(transparent)]
@@ -177,12 +176,12 @@ pub enum SwitchingReason {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AtSwitch {
     /// Whether the state rests.
-    #[error("the modes at the point have different rates there, and whether a mixture of them vanishes is not decided")]
+    #[error("the modes have different rates at the point; whether a convex combination of them vanishes is undecided")]
     Equilibrium,
     /// Whether feedback stabilizes.
     #[error(
-        "the equations switch at the point: the inputs do not cancel the difference of the modes, and no function is seen to \
-         change to one side only in every mode"
+        "the equations switch at the point: the inputs do not cancel the difference of the modes, and no function \
+         was found that changes in one direction only in every mode"
     )]
     Stabilizable,
     /// Brockett's condition.
@@ -203,10 +202,10 @@ pub enum FamilyReason {
     #[error("the switching function {0} depends on an input and on the state")]
     Switch(Function),
     /// More modes than are looked at.
-    #[error("there are {0} switching functions, which gives too many modes")]
+    #[error("{0} switching functions give too many modes")]
     Modes(usize),
     /// The modes do not correspond.
-    #[error("the affine form has other switching functions")]
+    #[error("the affine form has different switching functions")]
     OtherSwitches,
 }
 

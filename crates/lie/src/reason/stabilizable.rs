@@ -22,9 +22,7 @@ pub enum StabilizableReason {
     #[error("the system is linear and has an uncontrollable mode on the imaginary axis")]
     ModeOnAxis,
     /// Orbits of lower dimension foliate a neighborhood of the point.
-    #[error(
-        "near the point the state stays on sets of dimension {dimension} of {states}, whatever the inputs (Frobenius)"
-    )]
+    #[error("near the point, the state stays on sets of dimension {dimension} of {states} for all inputs (Frobenius)")]
     Leaves {
         /// Dimension of the orbits.
         dimension: usize,
@@ -32,13 +30,13 @@ pub enum StabilizableReason {
         states: usize,
     },
     /// Functions that no input influences move away from their values at the point.
-    #[error("functions that no input influences obey equations of their own, whose linearization is unstable")]
+    #[error("functions that no input influences have autonomous dynamics with an unstable linearization")]
     UnstableQuotient,
     /// A is Hurwitz.
     #[error("the linearization is asymptotically stable with the inputs of the point")]
     Stable,
     /// Linear feedback around another value of an input that does not move the state at the point.
-    #[error("with {input} = {value} at the point, the modes of the linearization that no input reaches decay")]
+    #[error("with {input} = {value} at the point, the uncontrollable modes of the linearization decay")]
     OtherInput {
         /// The input.
         input: String,
@@ -55,7 +53,7 @@ pub enum StabilizableReason {
     #[error("by continuous time-periodic feedback, from small-time controllability (Coron)")]
     Periodic,
     /// A function that never changes to one side, so that it does not return.
-    #[error("{function} can {change} near the point, whatever the inputs")]
+    #[error("{function} cannot {change} near the point for any inputs")]
     OneWay {
         /// The function.
         function: Function,
@@ -63,12 +61,10 @@ pub enum StabilizableReason {
         change: Monotone,
     },
     /// A function that is constant in every mode.
-    #[error("{0} never changes, so that states with another value of it stay away from the point")]
+    #[error("{0} is constant, so states with another value of it do not approach the point")]
     Conserved(Function),
     /// Bounded inputs hold the state on a surface.
-    #[error(
-        "whatever the inputs in their ranges, states on {surface} = 0 stay there, and {kept} does not change on it"
-    )]
+    #[error("for all admissible inputs, states on {surface} = 0 stay there, and {kept} is constant on it")]
     Sticks {
         /// The switching function.
         surface: Function,
@@ -76,7 +72,7 @@ pub enum StabilizableReason {
         kept: Function,
     },
     /// The inputs cancel what switches.
-    #[error("feedback cancels the difference of the modes, which the input fields span; of what is left: {0}")]
+    #[error("feedback cancels the difference of the modes, which the input fields span; for the remaining system: {0}")]
     Canceled(Box<StabilizableReason>),
     /// Not decided.
     #[error(transparent)]

@@ -17,7 +17,7 @@ pub enum StlcReason {
     #[error("the drift does not vanish at the point and no input balances it")]
     NotBalanced,
     /// Other inputs may hold the state.
-    #[error("the point is no equilibrium for the inputs given with it")]
+    #[error("the point is not an equilibrium for the given inputs")]
     NoEquilibrium,
     /// The orbit is a manifold of lower dimension (Nagano–Sussmann).
     #[error("the accessibility algebra has dimension {dimension} < {states} at the point")]
@@ -31,7 +31,7 @@ pub enum StlcReason {
     #[error("the linearization is controllable")]
     Controllable,
     /// A half-space that no trajectory leaves (Nagumo).
-    #[error("from its value at the point {function} can {change}, whatever the inputs{}",
+    #[error("from its value at the point, {function} cannot {change} for any inputs{}",
         if *.one_sided { " in their one-sided ranges" } else { "" })]
     HalfSpace {
         /// The linear function that bounds it.
@@ -54,8 +54,8 @@ pub enum StlcReason {
         weights: Vec<u32>,
     },
     /// It is obstructed.
-    #[error("the bad bracket {bracket} is not neutralized with weights {weights:?}, nor are others with {further} \
-        further choices of weights{}", if *.too_many { ", of which some take too many brackets" } else { "" })]
+    #[error("the bad bracket {bracket} is not neutralized with weights {weights:?}; {further} other choices of \
+             weights fail too{}", if *.too_many { ", some because they need too many brackets" } else { "" })]
     Obstructed {
         /// The bad bracket.
         bracket: Bracket,
@@ -67,15 +67,15 @@ pub enum StlcReason {
         too_many: bool,
     },
     /// Its brackets are too many.
-    #[error("the brackets that Sussmann's condition asks for are too many")]
+    #[error("Sussmann's condition needs too many brackets")]
     TooManyBrackets,
     /// Stefani's necessary condition fails for this even power.
     #[error(
-        "ad_g^{0} f at the point is no combination of brackets with fewer factors g (Stefani's necessary condition)"
+        "ad_g^{0} f at the point is not a combination of brackets with fewer factors g (Stefani's necessary condition)"
     )]
     Stefani(usize),
     /// A definite quadratic form, of brackets of this depth.
-    #[error("second-order brackets of {} with f are definite across all that the linearization reaches",
+    #[error("second-order brackets of {} with f are definite modulo the subspace that the linearization reaches",
         if *.0 == 0 { "the inputs".to_owned() } else { format!("the inputs and their first {} brackets", .0) })]
     DefiniteForm(usize),
     /// A condition holds after a change of the inputs.
@@ -90,19 +90,19 @@ pub enum StlcReason {
     #[error(transparent)]
     Undecided(#[from] Undecided),
     /// One-sided inputs away from an equilibrium.
-    #[error("inputs move to one side only and the point is no equilibrium")]
+    #[error("inputs are one-sided and the point is not an equilibrium")]
     OneSidedNoEquilibrium,
     /// No inputs in their ranges hold the state, by this linear function.
     #[error("the rate of {0} at the point is positive for all inputs in their ranges")]
     Separated(Function),
     /// All inputs push to one side.
-    #[error("all inputs that act at the point push to one side of it, and their ranges are one-sided")]
+    #[error("all inputs that act at the point have one-sided ranges and push in one direction")]
     OneSidedCone,
     /// No condition for one-sided inputs decides.
-    #[error("inputs move to one side only, and no condition for such inputs decides")]
+    #[error("inputs are one-sided; no known condition decides this case")]
     OneSidedOpen,
     /// The other inputs suffice.
-    #[error("{0} with the inputs alone that move to both sides")]
+    #[error("{0} with the two-sided inputs alone")]
     TwoSidedInputs(Box<StlcReason>),
     /// A condition holds for integrals of free inputs in place of the inputs, squared for one-sided ones.
     #[error("{reason} for {} in place of the inputs", integrals(.integrators, .squared))]
@@ -118,10 +118,10 @@ pub enum StlcReason {
     #[error("the system is odd about the point and has full dimension (Brunovský)")]
     Odd,
     /// Inputs inside their ranges hold the point.
-    #[error("{0} around constant inputs inside their ranges that hold the point")]
+    #[error("{0} about constant inputs inside their ranges that hold the point")]
     InsideRanges(Box<StlcReason>),
     /// Other inputs than those given hold the point.
-    #[error("around {}, which holds the point: {reason}", equations(.inputs))]
+    #[error("about {}, which holds the point: {reason}", equations(.inputs))]
     Around {
         /// These inputs.
         inputs: Vec<(String, Function)>,
@@ -129,37 +129,37 @@ pub enum StlcReason {
         reason: Box<StlcReason>,
     },
     /// Inputs without bounds, by jumps along their fields.
-    #[error("inputs without bounds jump along their fields to where the drift points to all sides")]
+    #[error("unbounded inputs jump along their fields to points where the drift points in all directions")]
     Jumps,
     /// A verdict for bounded inputs that says nothing of those without bounds.
-    #[error("inputs without a range may take the state far and back, for which no condition decides")]
+    #[error("unbounded inputs may drive the state far away and back; no known condition decides this case")]
     Unbounded,
     /// The ranges do not tell.
-    #[error("the inputs at the point are not seen to lie in their ranges")]
+    #[error("the inputs at the point are not known to lie in their ranges")]
     NotInRanges,
     /// The same in every mode at the point.
     #[error("in every mode at the point: {0}")]
     EveryMode(Box<StlcReason>),
     /// A continuous function that no mode changes.
-    #[error("{0} never changes, in any mode at the point")]
+    #[error("{0} is constant in every mode at the point")]
     Invariant(Function),
     /// Filippov's solutions stay on a surface.
-    #[error("whatever the inputs in their ranges, the motion stays on {0} = 0: both modes drive it there (Filippov)")]
+    #[error("for all admissible inputs, the motion stays on {0} = 0: both modes drive it there (Filippov)")]
     Sticks(Function),
     /// The inputs cancel what switches.
-    #[error("feedback cancels the difference of the modes, which the input fields span; of what is left: {0}")]
+    #[error("feedback cancels the difference of the modes, which the input fields span; for the remaining system: {0}")]
     Canceled(Box<StlcReason>),
     /// Something switches at the point, and no condition decides.
     #[error(
-        "the equations switch at the point: no half-space holds in every mode, the motion is not seen to stick, and the inputs \
-         do not cancel the difference of the modes"
+        "the equations switch at the point: no half-space holds in every mode, sticking is not proved, and the \
+         inputs do not cancel the difference of the modes"
     )]
     Switches,
     /// Too many modes meet at the point.
-    #[error("{0} modes meet at the point, more than are looked at")]
+    #[error("{0} modes meet at the point, too many to examine")]
     ManyModes(usize),
     /// The point is in no mode.
-    #[error("a unit vector takes a set of values at the point, which no mode describes")]
+    #[error("a unit vector is set-valued at the point, which no mode describes")]
     UnitVector,
     /// The verdict on the affine form does not transfer to the original.
     #[error(transparent)]
@@ -190,9 +190,9 @@ pub enum Monotone {
 impl fmt::Display for Monotone {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Monotone::Constant => "neither rise nor fall",
-            Monotone::Rises => "not fall",
-            Monotone::Falls => "not rise",
+            Monotone::Constant => "change",
+            Monotone::Rises => "decrease",
+            Monotone::Falls => "increase",
         })
     }
 }

@@ -20,7 +20,7 @@ pub enum NoZeroDynamics {
         constraint: Function,
     },
     /// A derivative of an output cannot vanish.
-    #[error("no input keeps the outputs there: {derivative} would have to vanish")]
+    #[error("no input holds the outputs there: {derivative} would have to vanish")]
     Empty {
         /// The derivative.
         derivative: Function,

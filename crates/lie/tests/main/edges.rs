@@ -54,7 +54,7 @@ fn the_inputs_of_the_point_count() {
     assert_eq!(at_point(&fall).linear_controllability_rank, None);
     // The verdict is then around the inputs that would hold the point.
     assert_eq!(at_point(&fall).stlc.verdict, Verdict::Yes);
-    assert!(at_point(&fall).stlc.reason.to_string().starts_with("around u1 = gr, u2 = 0, which holds the point"));
+    assert!(at_point(&fall).stlc.reason.to_string().starts_with("about u1 = gr, u2 = 0, which holds the point"));
 }
 
 #[test]

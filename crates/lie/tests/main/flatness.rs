@@ -226,7 +226,7 @@ fn dependent_inputs_count_once() {
     assert_eq!((f.verdict, shown(&f.flat_outputs).join(", ")), (FlatnessVerdict::Yes, "x".to_owned()));
 }
 
-/// Charlet, Lévine & Marino 1989: accessible with one input less than states.
+/// Charlet, Lévine & Marino 1989: accessible with one input fewer than states.
 #[test]
 fn one_input_less_than_states() {
     let s = system(&["a", "b", "c"], &["u", "v"], &[], &["u", "v + b", "a*v + c*exp(b)"], &[], None);

@@ -204,7 +204,7 @@ fn bad_input_is_refused() {
             IdentifiabilityOptions { known_initial: vec![known.to_owned()], ..IdentifiabilityOptions::default() };
         identifiability(&system, &options).unwrap_err()
     };
-    assert_eq!(with("mas").to_string(), "`mas` is no state of the model; did you mean `mass`?");
+    assert_eq!(with("mas").to_string(), "the model has no state `mas`; did you mean `mass`?");
     assert!(matches!(with("mass=q"), IdentifiabilityError::Initial { .. }));
     let options = IdentifiabilityOptions { unknown_inputs: vec!["u".to_owned()], ..IdentifiabilityOptions::default() };
     assert!(matches!(identifiability(&system, &options), Err(IdentifiabilityError::Unknown { kind: "input", .. })));

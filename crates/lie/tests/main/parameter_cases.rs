@@ -152,7 +152,7 @@ fn a_verdict_may_become_better_at_special_values() {
     assert!(a.complete);
 }
 
-/// Where both inputs' gains vanish, and nowhere else: two conditions at once, by a sum of squares too.
+/// Where both inputs' gains vanish, and nowhere else: two simultaneous conditions, by a sum of squares too.
 #[test]
 fn conditions_that_have_to_hold_together() {
     let text = "states = ['x', 'y']\ninputs = ['u']\nparameters = { a = 1, b = 1 }\n\

@@ -90,7 +90,7 @@ fn a_spring_that_switches_keeps_its_energy_balance() {
     assert_eq!(s.only_by_switching, Answer::Known(Vec::new()));
     assert_eq!(shown(&s.dimensions.strong_basis), ["g1", "[f(1),g1]"]);
     assert_eq!(at_point(&r).stlc.verdict, Verdict::No);
-    assert!(at_point(&r).stlc.reason.to_string().ends_with("never changes, in any mode at the point"));
+    assert!(at_point(&r).stlc.reason.to_string().ends_with("is constant in every mode at the point"));
     // A dead zone has two surfaces.
     let r = report("x v E", "u", &["v", "u - k1*(max(x-1,0) + min(x+1,0))", "u*v"]);
     assert_eq!(over_all_modes(&r), Some((2, 2)));

@@ -78,7 +78,7 @@ impl Plant for ExactPlant {
 
 /// A plant whose algebraic equations have no solution.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
-#[error("the algebraic equations of the plant are not solved (equation {}, residual {}) at t = {t} s", failure.equation + 1, failure.residual)]
+#[error("the algebraic equations of the plant could not be solved (equation {}, residual {}) at t = {t} s", failure.equation + 1, failure.residual)]
 pub struct PlantEquations {
     /// When, s.
     pub t: f64,

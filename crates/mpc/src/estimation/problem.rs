@@ -162,7 +162,7 @@ impl EstimationProblem {
             number("a standard deviation", v, v >= 0.0, "give a number that is not negative")?;
         }
         for o in &self.outputs {
-            let remedy = "give a positive number; for an exact output a tiny one, 1e-6 of its range";
+            let remedy = "give a positive number; for an exact output, use a tiny one, 1e-6 of its range";
             number(&format!("the standard deviation of `{}`", o.expression), o.std, o.std > 0.0, remedy)?;
             if let Some(p) = o.period {
                 number(&format!("the period of `{}`", o.expression), p, p > 0.0, "give a positive number")?;

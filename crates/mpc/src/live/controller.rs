@@ -145,9 +145,9 @@ impl LiveController {
         let refused = if !t.is_finite() {
             Some("give seconds")
         } else if passed < 0.0 {
-            Some("its sample has been answered: give measurements in the order of time, one per period")
+            Some("its sample is already answered: give measurements in order of time, one per period")
         } else if passed > self.problem.ocp.samples_of_horizon() as f64 {
-            Some("it lies more than a horizon after the last: reset the controller")
+            Some("it is more than one horizon after the last: reset the controller")
         } else {
             None
         };

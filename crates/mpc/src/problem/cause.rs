@@ -34,18 +34,20 @@ impl fmt::Display for Cause {
                 "the controller's model has smoothed friction, the plant sticks; write method = \"stick-slip\""
             }
             Self::Delay => {
-                "inputs act later than the controller knows; write compensate_delay = true, and state the delays of inputs in its model"
+                "inputs act later than the controller assumes; write compensate_delay = true, and give the input \
+                 delays in its model"
             }
             Self::Plant => "the plant is not the controller's model",
             Self::Plan => "the plan did not converge; give a [guess], or raise max_iterations",
             Self::MovingHorizon => {
-                "it is that of the end of a horizon that moves on; write method = \"plan\", whose horizon ends with the run"
+                "it corresponds to the end of a moving horizon; write method = \"plan\", whose horizon ends with the \
+                 run"
             }
             Self::OneProgram => {
-                "one program per sample does not follow; write method = \"sqp\", or raise initial_iterations"
+                "one QP per sample does not suffice; write method = \"sqp\", or raise initial_iterations"
             }
             Self::LocalMinimum => {
-                "give a [guess] nearer to what is wanted, a longer horizon, or a cost that leads there"
+                "give a [guess] closer to the desired result, a longer horizon, or a cost that leads there"
             }
         })
     }

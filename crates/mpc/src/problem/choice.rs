@@ -96,7 +96,7 @@ impl ControlProblem {
         !self.ocp.targets.is_empty() && self.samples <= self.ocp.steps && self.ocp.is_uniform()
     }
 
-    /// Whether the run ends with the horizon, and the cost counts there alone.
+    /// Whether the run ends with the horizon, and the cost is terminal only.
     fn ends_with_cost(&self) -> bool {
         let ocp = &self.ocp;
         ocp.stage.is_none() && ocp.terminal.is_some() && self.samples == ocp.steps && ocp.is_uniform()

@@ -19,49 +19,49 @@ impl fmt::Display for Note {
         match self {
             Note::State { name, first } => write!(
                 f,
-                "the plant's state `{name}` is not finite {first}: bound the inputs, or take a shorter dt or more \
+                "the plant's state `{name}` is not finite {first}: bound the inputs, or use a shorter dt or more \
                  plant_substeps"
             ),
             Note::Diverges { name, value, size, in_plan: true } => write!(
                 f,
-                "the plan goes to `{name}` = {}, where {} is its size: the cost seems to have no lower bound; bound the inputs, or \
-                 make the cost grow with all of them",
+                "the plan reaches `{name}` = {}, far beyond its size {}: the cost seems to have no lower bound; \
+                 bound the inputs, or make the cost grow with all of them",
                 readable(*value),
                 readable(*size)
             ),
             Note::Diverges { name, value, size, in_plan: false } => write!(
                 f,
-                "the run goes to `{name}` = {}, where {} is its size: the loop is unstable; compare the plant with the model, or take \
-                 a shorter dt or a longer horizon",
+                "the run reaches `{name}` = {}, far beyond its size {}: the loop is unstable; compare the plant with \
+                 the model, or use a shorter dt or a longer horizon",
                 readable(*value),
                 readable(*size)
             ),
             Note::Eliminated(what) => write!(f, "{what}"),
             Note::Delays { longest, samples, compensated } => write!(
                 f,
-                "the plant's inputs act up to {} s ({samples:.2} samples) later than commanded; the controller predicts \
-                 over {} of it",
+                "the plant's inputs act up to {} s ({samples:.2} samples) later than commanded; the controller \
+                 compensates {} of it",
                 readable(*longest),
                 counted(*compensated, "sample", "samples")
             ),
             Note::RoundingCosts { relaxed, rounded } => write!(
                 f,
-                "inputs of finite sets cost {} over the horizon, inputs between their values {}: take a shorter dt, or more values",
+                "inputs from finite sets cost {} over the horizon, relaxed inputs {}: use a shorter dt or more values",
                 readable(*rounded),
                 readable(*relaxed)
             ),
             Note::TableEnds { name, last, end } => write!(
                 f,
-                "the table of `{name}` ends at t = {} s, the run at t = {} s: afterwards the last value is kept",
+                "the table of `{name}` ends at t = {} s, the run at t = {} s: the last value is held afterwards",
                 readable(*last),
                 readable(*end)
             ),
             Note::OneRow { name } => {
-                write!(f, "the table of `{name}` has one row: its value holds at all times; give more rows, or a number")
+                write!(f, "the table of `{name}` has one row: its value is constant; give more rows, or write a number")
             }
             Note::UnusedReference { name } => write!(
                 f,
-                "nothing uses the reference `{name}`: write it in the cost, such as (x - {name})^2, or remove it"
+                "the reference `{name}` is unused: use it in the cost, such as (x - {name})^2, or remove it"
             ),
             Note::LongInterval { dt, time_constant } => write!(
                 f,
@@ -79,7 +79,7 @@ impl fmt::Display for Note {
             ),
             Note::Held { names } => write!(
                 f,
-                "nothing moves: friction holds (sign of {}) against every input alone, at both of its bounds; widen the bounds",
+                "nothing moves: friction (sign of {}) holds against each input alone at both bounds; widen the bounds",
                 names.join(", ")
             ),
             Note::TargetsLater { run, horizon, reached } => write!(
@@ -91,7 +91,7 @@ impl fmt::Display for Note {
             ),
             Note::SearchNotConverged { status, programs } => write!(
                 f,
-                "the search for what is free {status} after {}: the values found are approximate; start from them as guesses",
+                "the search for free values {status} after {}: the values found are approximate; use them as guesses",
                 counted(*programs, "quadratic program", "quadratic programs")
             ),
             Note::PlanMisses { state, miss } => write!(
@@ -102,7 +102,8 @@ impl fmt::Display for Note {
             ),
             Note::BeyondRange { input, bounds, range } => write!(
                 f,
-                "`{input}` may go from {} to {}, though its range in the model is {} to {}: narrow the bounds, or widen [ranges]",
+                "the bounds of `{input}`, {} to {}, exceed its range in the model, {} to {}: narrow the bounds, or \
+                 widen [ranges]",
                 readable(bounds.0),
                 readable(bounds.1),
                 readable(range.0),
@@ -110,7 +111,7 @@ impl fmt::Display for Note {
             ),
             Note::StageCost { first } => write!(
                 f,
-                "the stage cost is not finite {first}: write one that is defined at every state that the loop passes"
+                "the stage cost is not finite {first}: write a cost that is defined at every state of the run"
             ),
             Note::Unobservable { names } => fmt::Display::fmt(&MpcError::NotObservable { names: names.clone() }, f),
             Note::NoPlan => f.write_str(
@@ -122,19 +123,20 @@ impl fmt::Display for Note {
             }
             Note::Infeasible { count, first } => write!(
                 f,
-                "{count} × infeasible: a hard bound cannot be kept; make it soft, or give the inputs more room or the loop \
-                 another start, first {first}"
+                "{count} × infeasible: a hard bound cannot be kept; make it soft, widen the input bounds, or start \
+                 elsewhere; first {first}"
             ),
             Note::MostlyInaccurate { count, of } => write!(
                 f,
-                "{count} of {} do not reach the tolerance: the inputs are no solutions; give a [guess], or [scale] near the real sizes",
+                "{count} of {} do not reach the tolerance: the inputs are not optimal; give a [guess], or [scale] \
+                 near the real sizes",
                 counted(*of, "sample", "samples")
             ),
             Note::PlanNotConverged => f.write_str("the plan did not converge: give a [guess], or raise max_iterations"),
             Note::NotHeld { count, reached, left } => write!(
                 f,
-                "{} after the end of the plan have the inputs at rest, which do not hold what it reached: the stage cost \
-                 goes from {} to {}; lengthen the horizon, give [solve] rest, or take another method",
+                "after the plan ends, rest inputs ({}) do not hold the reached state: the stage cost goes from {} to \
+                 {}; lengthen the horizon, give [solve] rest, or use another method",
                 counted(*count, "sample", "samples"),
                 readable(*reached),
                 readable(*left)
@@ -150,14 +152,14 @@ impl fmt::Display for Note {
             }
             Note::UnlikePlan { realized, planned, intervals, cause } => write!(
                 f,
-                "the first {} cost {}, where the plan has {}: {cause}",
+                "the first {} cost {}, in the plan {}: {cause}",
                 counted(*intervals, "interval", "intervals"),
                 readable(*realized),
                 readable(*planned)
             ),
             Note::EndCostStays { first, last, planned, cause } => write!(
                 f,
-                "the terminal cost goes from {} to {} over the run, where the plan ends at {}: {cause}",
+                "the terminal cost goes from {} to {} over the run, in the plan to {}: {cause}",
                 readable(*first),
                 readable(*last),
                 readable(*planned)
@@ -166,7 +168,8 @@ impl fmt::Display for Note {
                 let what = if *stays { "the inputs stay at their guess" } else { "a simple input does better" };
                 write!(
                     f,
-                    "{what}: over the horizon they cost {}, {input} = {} for {} and then rest {}; give a [guess] near it",
+                    "{what}: over the horizon, the inputs cost {}; holding {input} = {} for {}, then rest, costs {}; \
+                     give a [guess] near it",
                     readable(*realized),
                     readable(*value),
                     counted(*intervals, "interval", "intervals"),
@@ -175,15 +178,15 @@ impl fmt::Display for Note {
             }
             Note::BetterElsewhere { at_rest, planned, found } => write!(
                 f,
-                "the plan is a minimum that is only local: it costs {}, one from {} {}; give such a [guess]",
+                "the plan is only a local minimum: it costs {}, a plan started from {} costs {}; give such a [guess]",
                 readable(*planned),
                 if *at_rest { "inputs at rest" } else { "a wave of 10 % on the guess" },
                 readable(*found)
             ),
             Note::Singular { name, length, first } => write!(
                 f,
-                "the direction of ({name}) is taken where its length is {} {first}; it is smooth but where the length is 0, and \
-                 friction only if written unit(…)",
+                "the direction of ({name}) is used where its length is {} {first}; it is smooth except at length 0; \
+                 write unit(…) for friction",
                 readable(*length)
             ),
             Note::EstimateOff { state, error, deviations, ruined } => write!(
@@ -192,18 +195,18 @@ impl fmt::Display for Note {
                  raise process_noise or initial_std, estimate a disturbance, or measure more",
                 readable(*error),
                 readable(deviations.round()),
-                if *ruined { "; the controller acts on another state than the plant's" } else { "" }
+                if *ruined { "; the controller acts on a wrong state" } else { "" }
             ),
             Note::NotSettling { last, planned, cause } => write!(
                 f,
-                "the stage cost is {} in the last quarter of the run, where the plan falls to {}: {cause}",
+                "the stage cost is {} in the last quarter of the run, in the plan it falls to {}: {cause}",
                 readable(*last),
                 readable(*planned)
             ),
             Note::Inaccurate { count, first } => write!(
                 f,
-                "{count} × inaccurate: the tolerance is not reached; give [scale], a [guess] or more max_iterations, first \
-                 {first}"
+                "{count} × inaccurate: the tolerance is not reached; give [scale], a [guess], or more \
+                 max_iterations; first {first}"
             ),
         }
     }
@@ -212,20 +215,21 @@ impl fmt::Display for Note {
 /// What is behind a fallback, and what to do about it.
 fn explained(reason: FallbackReason) -> (&'static str, &'static str) {
     match reason {
-        FallbackReason::LostSample => ("nothing was measured", "[solve] policy says what is applied then"),
-        FallbackReason::Measurement => {
-            ("a measured value is not finite", "[solve] policy says what is applied then; an estimator bridges it")
-        }
+        FallbackReason::LostSample => ("the measurement is missing", "[solve] policy sets the input in this case"),
+        FallbackReason::Measurement => (
+            "a measured value is not finite",
+            "[solve] policy sets the input in this case; an estimator bridges the gap",
+        ),
         FallbackReason::Linearization => (
             "the model or one of its derivatives is not finite along the plan",
-            "bound the states to where the equations are defined, give a [guess], or take a shorter dt",
+            "bound the states to where the equations are defined, give a [guess], or use a shorter dt",
         ),
         FallbackReason::Cost => (
             "the cost is not finite along the plan",
-            "write a cost that is defined at every state, or bound the states to where it is",
+            "write a cost that is defined at every state, or bound the states to where it is defined",
         ),
         FallbackReason::TimeLimit => {
-            ("the time of the sample was over", "raise the time limit, or take fewer steps in [horizon]")
+            ("the time limit was exceeded", "raise the time limit, or use fewer steps in [horizon]")
         }
         FallbackReason::Qp(QpStatus::Limit) => {
             ("a quadratic program reached its iteration limit", "raise qp_tolerance, or give [scale] and [trust]")

@@ -107,8 +107,8 @@ impl Reader<'_> {
             let random = state.is_some_and(|i| soft(&ocp.state_bounds[i]))
                 || !path.is_empty() && path.clone().all(|c| soft(&ocp.path_constraints[c].bounds));
             if let Some(v) = b.get("probability").filter(|_| !random) {
-                let message = format!("`{name}` is no soft bound of a state: it cannot have a probability");
-                let remedy = "remove `probability`; or remove `hard`, for a bound that noise may exceed is soft";
+                let message = format!("`{name}` is not a soft bound of a state: it cannot have a probability");
+                let remedy = "remove `probability`, or remove `hard`: a bound that noise may exceed is soft";
                 return Err(self.doc.error(v.span(), message, remedy).into());
             }
             if let Some(probability) = own.or(all).filter(|_| random) {
@@ -147,7 +147,8 @@ impl Reader<'_> {
             let widest = row.iter().fold(0.0_f64, |w, v| w.max(*v));
             if !widest.is_finite() || bounds.min + widest > bounds.max - widest {
                 let message = format!(
-                    "the noise leaves no room between the bounds of `{}`: the margin grows to {widest}",
+                    "no admissible value remains between the bounds of `{}`: the margin for the noise grows to \
+                     {widest}",
                     chance.name
                 );
                 let remedy = "widen the bounds, lower the probability, or shorten the horizon";

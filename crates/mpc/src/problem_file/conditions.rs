@@ -146,7 +146,7 @@ impl Reader<'_> {
     fn measured(&self, name: &str, span: Range<usize>, measured: &[String]) -> Parsed<usize> {
         let found = measured.iter().position(|m| m == name);
         found.ok_or_else(|| {
-            let remedy = format!("measured are: {}", measured.join(", "));
+            let remedy = format!("measured: {}", measured.join(", "));
             self.doc.error(span, format!("`{name}` is not measured"), remedy).into()
         })
     }
@@ -193,7 +193,7 @@ impl Reader<'_> {
             let mut outputs = Vec::new();
             for name in list {
                 let Value::String(text) = name.get_ref() else {
-                    return Err(self.doc.error(name.span(), "a name must stand in quotes", remedy).into());
+                    return Err(self.doc.error(name.span(), "a name must be in quotes", remedy).into());
                 };
                 outputs.push(self.measured(text, name.span(), measured)?);
             }

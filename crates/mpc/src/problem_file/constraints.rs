@@ -218,7 +218,7 @@ impl Reader<'_> {
             return Err(self.doc.error(e.span(), "`norm` is empty", remedy).into());
         }
         if let Some(min) = b.get("min") {
-            let remedy = "a norm is bounded from above: remove `min`";
+            let remedy = "a norm can only be bounded from above: remove `min`";
             return Err(self.doc.error(min.span(), "a norm has no lower bound here", remedy).into());
         }
         let Some(max) = b.get("max") else {
@@ -251,7 +251,7 @@ impl Reader<'_> {
     }
 
     fn constant_constraint(&self, key: &Key<'_>) -> Box<FileError> {
-        let message = format!("the constraint `{}` has no state or input in it: no input can keep it", key.get_ref());
+        let message = format!("the constraint `{}` contains no state or input: no input can satisfy it", key.get_ref());
         self.doc.error(key.span(), message, "write an expression of states or inputs, or remove it").into()
     }
 

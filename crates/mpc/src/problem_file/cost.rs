@@ -52,14 +52,14 @@ impl Reader<'_> {
         };
         for entry in names {
             let Value::String(name) = entry.get_ref() else {
-                return Err(self.doc.error(entry.span(), "a name must stand in quotes", remedy).into());
+                return Err(self.doc.error(entry.span(), "a name must be in quotes", remedy).into());
             };
             let parameters = &self.system.parameters;
             let Some(p) = parameters.iter().find(|p| self.system.symbol_name(p.symbol) == name) else {
                 return Err(self.unknown(name, entry.span(), "parameter", &self.system.parameter_names()));
             };
             if live.iter().any(|s| s.name == **name) {
-                let message = format!("`{name}` is there twice, or already an expression of t");
+                let message = format!("`{name}` occurs twice, or is already an expression of t");
                 return Err(self.doc.error(entry.span(), message, "remove it from the list").into());
             }
             live.push(Scheduled::constant(name.to_string(), p.value.to_f64().value()));
@@ -77,7 +77,7 @@ impl Reader<'_> {
                 let message = format!("`{name}` already has a meaning in the model");
                 let remedy = if self.system.state_index(&name).is_some() {
                     format!(
-                        "a reference has a name of its own, and the cost says what follows it: references = {{ {name}_ref = … }}, \
+                        "a reference needs a name of its own, and the cost defines what follows it: references = {{ {name}_ref = … }}, \
                          cost = {{ stage = \"({name} - {name}_ref)^2 + …\" }}"
                     )
                 } else {
@@ -126,17 +126,17 @@ impl Reader<'_> {
         let bounded = ocp.state_bounds.iter().any(|b| (b.min, b.max) != (f64::NEG_INFINITY, f64::INFINITY))
             || !ocp.path_constraints.is_empty()
             || !ocp.norm_constraints.is_empty();
-        let remedy = "add what is wanted to [cost], such as stage = \"(x - 1)^2 + 0.1*u^2\", or a [target]";
+        let remedy = "add the objective to [cost], such as stage = \"(x - 1)^2 + 0.1*u^2\", or a [target]";
         // What is free may be all that the cost is for.
         let decides = planned && (ocp.stage.is_some() || ocp.terminal.is_some());
         let message = if decides || costs.states || !ocp.targets.is_empty() || costs.inputs && bounded {
             return Ok(());
         } else if costs.inputs {
-            "neither cost nor target has a state in it: the inputs would not depend on what is measured"
+            "neither cost nor target contains a state: the inputs would not depend on the measurements"
         } else if table.contains_key("cost") && (ocp.stage.is_some() || ocp.terminal.is_some()) {
-            "the cost has no state or input in it: any input would do"
+            "the cost contains no state or input: any input would be optimal"
         } else {
-            "the problem has neither a cost nor a target: any input would do"
+            "the problem has neither a cost nor a target: any input would be optimal"
         };
         Err(match table.get("cost") {
             Some(cost) => self.doc.error(cost.span(), message, remedy),
@@ -151,7 +151,7 @@ impl Reader<'_> {
         let riccati = cost.get("terminal").is_some_and(text);
         if let Some(v) = cost.get("terminal_set").filter(|_| !riccati) {
             let remedy = "write terminal = \"riccati\", or remove `terminal_set`";
-            return Err(self.doc.error(v.span(), "the terminal set is one of the Riccati solution", remedy).into());
+            return Err(self.doc.error(v.span(), "the terminal set needs the Riccati solution", remedy).into());
         }
         Ok(riccati)
     }
@@ -164,8 +164,8 @@ impl Reader<'_> {
             return Ok(());
         };
         if self.free.is_some() {
-            let message = "the infinite horizon goes on from a fixed end with fixed parameters";
-            return Err(self.doc.error(v.span(), message, "write an expression, or fix what is free").into());
+            let message = "the infinite horizon needs a fixed end and fixed parameters";
+            return Err(self.doc.error(v.span(), message, "write an expression, or fix the free values").into());
         }
         let (n, m) = (ocp.model_states(), ocp.inputs());
         let branches = self.tree.map_or(1, Tree::branches);

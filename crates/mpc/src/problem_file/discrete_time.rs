@@ -20,35 +20,34 @@ impl Reader<'_> {
     ) -> Parsed<()> {
         let place = |key: &str| table.get(key).map_or(0..0, toml::Spanned::span);
         if !system.algebraic.is_empty() && table.contains_key("estimation") {
-            let message =
-                "the estimators treat models without algebraic variables, or with such that can be eliminated";
+            let message = "the estimators support algebraic variables only if they can be eliminated";
             return Err(self
                 .doc
-                .error(place("estimation"), message, "remove [estimation], so that the states are measured")
+                .error(place("estimation"), message, "remove [estimation]: the states are then measured")
                 .into());
         }
         if system.period.is_none() {
             return Ok(());
         }
         if !system.is_smooth() {
-            let message = "a controller's model that is discrete in time has to be smooth, without `sign`, `abs`, `min` and `max`";
-            let remedy = "state limits in [constraints], and name a model that has them as `plant`";
+            let message = "a discrete-time controller model must be smooth, without `sign`, `abs`, `min` and `max`";
+            let remedy = "write limits in [constraints], and name a model that has them as `plant`";
             return Err(self.doc.error(place("model"), message, remedy).into());
         }
         if free.end_time.is_some() {
-            let message = "the end time of a model that is discrete in time cannot be free";
+            let message = "the end time of a discrete-time model cannot be free";
             return Err(self.doc.error(place("horizon"), message, "give steps and dt").into());
         }
         if table.contains_key("estimation") {
-            let message = "the estimators treat models in continuous time; this one is discrete in time";
-            let remedy = "remove [estimation], so that the states are measured, or state the model in continuous time";
+            let message = "the estimators support continuous-time models only; this model is discrete in time";
+            let remedy = "remove [estimation] to measure the states, or write the model in continuous time";
             return Err(self.doc.error(place("estimation"), message, remedy).into());
         }
         let run = self.doc.sub_table(table, "run")?;
         let chosen = run.is_some_and(|run| run.contains_key("plant_substeps"));
         if plant.period.is_none() && plant.is_smooth() && !chosen {
-            let message =
-                "the plant is continuous in time, the model discrete, so that nothing says how the plant is integrated";
+            let message = "the plant is continuous in time and the model discrete, so the integration of the plant is not \
+                 defined";
             let remedy = "add plant_substeps = 20 to [run]: Runge–Kutta steps of the plant per sample";
             return Err(self.doc.error(place("plant"), message, remedy).into());
         }
@@ -60,7 +59,7 @@ impl Reader<'_> {
         for key in ["integrator", "stages", "substeps", "growth", "lengths"] {
             if let Some(v) = horizon.get(key) {
                 let message =
-                    format!("`{key}` has no place here: the model is discrete in time, with a period of {period} s");
+                    format!("`{key}` does not apply: the model is discrete in time, with a period of {period} s");
                 return Err(self.doc.error(v.span(), message, "write steps and dt alone, with dt the period").into());
             }
         }
@@ -84,8 +83,9 @@ impl Reader<'_> {
             return Ok(ratio.round() as usize);
         }
         let place = ["dt", "end_time", "lengths"].into_iter().find_map(|key| horizon.get(key));
-        let message =
-            format!("the {whose} is discrete in time with a period of {period} s, of which dt = {dt} s is no multiple");
+        let message = format!(
+            "the {whose} is discrete in time with a period of {period} s, and dt = {dt} s is not a multiple of it"
+        );
         let remedy = format!("write dt = {period}, or a multiple of it, over which the input is held");
         Err(self.doc.error(place.map_or(0..0, toml::Spanned::span), message, remedy).into())
     }

@@ -123,13 +123,13 @@ impl Source {
         let reader = Reader { system: &system, ..first };
         let tree = reader.uncertainty(&table)?;
         if let Some(v) = table.get("uncertainty").filter(|_| tree.is_some() && !system.algebraic.is_empty()) {
-            let message = "a scenario tree has copies of the model, whose algebraic variables cannot be eliminated";
+            let message = "a scenario tree copies the model, but its algebraic variables cannot be eliminated";
             let remedy = "write equations that are linear in them, or remove the parameters of [uncertainty]";
             return Err(doc.error(v.span(), message, remedy).into());
         }
         if let Some(v) = table.get("uncertainty").filter(|_| !free.is_empty()) {
             let message = "uncertainty cannot be combined with a free end time or free parameters";
-            return Err(doc.error(v.span(), message, "fix what is free, or remove [uncertainty]").into());
+            return Err(doc.error(v.span(), message, "fix the free values, or remove [uncertainty]").into());
         }
         let reader = Reader { tree: tree.as_ref(), ..reader };
         if let Some(run) = doc.sub_table(&table, "run")? {
@@ -214,7 +214,7 @@ impl Reader<'_> {
         let place = horizon.get("steps").or(horizon.get("lengths"));
         if let Some(v) = place.filter(|_| steps > MOST_INTERVALS) {
             let message = format!("a horizon of {steps} intervals makes programs too large to solve at every sample");
-            let remedy = format!("take at most {MOST_INTERVALS}, with a longer dt");
+            let remedy = format!("use at most {MOST_INTERVALS}, with a longer dt");
             return Err(self.doc.error(v.span(), message, remedy).into());
         }
         let dt = match lengths.first() {
@@ -279,11 +279,11 @@ impl Reader<'_> {
         let measured = estimation.as_ref().map_or_else(|| system.state_names(), |e| e.names.clone());
         let conditions = self.conditions(run, start.samples, &measured)?;
         if planned && !start.given {
-            let message = "[run] is missing: what is free is found for an initial state";
+            let message = "[run] is missing: free values are found for an initial state";
             return Err(self.doc.missing(message, "add [run] with x0").into());
         }
         if planned && schedule.varies() {
-            let message = "the end time is free, or a parameter, and references or parameters vary over time";
+            let message = "the end time or a parameter is free, but references or parameters vary over time";
             return Err(self
                 .doc
                 .missing(message, "make them constant, or expressions of `t` in the cost itself")

@@ -85,7 +85,7 @@ impl Reader<'_> {
         let horizon = self.count(t, "horizon", Some(MovingHorizonSettings::default().horizon))?.min(start.samples);
         if let Some(v) = t.get("horizon").filter(|_| horizon > MOST_INTERVALS) {
             let message = format!("the estimation horizon exceeds {MOST_INTERVALS} intervals");
-            return Err(self.doc.error(v.span(), message, "take fewer: 10 to 50 are a good choice").into());
+            return Err(self.doc.error(v.span(), message, "use fewer: 10 to 50 are usual").into());
         }
         let settings = MovingHorizonSettings {
             horizon,
@@ -94,7 +94,7 @@ impl Reader<'_> {
         };
         let estimation = Estimation { kind, problem, settings, names };
         if let Err(e) = estimation.estimator() {
-            let remedy = "change `outputs`, `parameters` or `disturbances`: they say what is measured and estimated";
+            let remedy = "change `outputs`, `parameters` or `disturbances`: they define what is measured and estimated";
             return Err(self.doc.error(place, e.to_string(), remedy).into());
         }
         Ok(Some(estimation))

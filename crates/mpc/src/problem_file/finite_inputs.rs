@@ -12,11 +12,11 @@ impl Reader<'_> {
         let name: &str = key.get_ref();
         let remedy = format!("write {name} = {{ values = [0, 1] }}: the values that the input may take");
         if let Some((other, _)) = b.iter().find(|(other, _)| *other.get_ref() != "values") {
-            let message = format!("`values` says all of `{name}`: `{}` has no place beside it", other.get_ref());
+            let message = format!("`values` defines all of `{name}`: it cannot be combined with `{}`", other.get_ref());
             return Err(self.doc.error(other.span(), message, "remove one of them").into());
         }
         let Some(j) = self.system.input_index(name) else {
-            let remedy = "write it for an input: a state takes no value at will";
+            let remedy = "write it for an input: states cannot be chosen";
             return Err(self.doc.error(v.span(), "`values` applies to an input", remedy).into());
         };
         let Value::Array(list) = v.get_ref() else {
@@ -31,7 +31,7 @@ impl Reader<'_> {
                 return Err(self.doc.error(entry.span(), message, "change it, or the model's [ranges]").into());
             }
             if values.contains(&value) {
-                let message = format!("the value {value} of `{name}` is there twice");
+                let message = format!("the value {value} of `{name}` occurs twice");
                 return Err(self.doc.error(entry.span(), message, "remove one of them").into());
             }
             values.push(value);

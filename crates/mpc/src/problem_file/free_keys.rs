@@ -78,7 +78,7 @@ impl Reader<'_> {
     pub(super) fn interval(&self, horizon: &Table<'_>, steps: usize, end_time: Option<f64>) -> Parsed<f64> {
         let Some(v) = horizon.get("end_time") else { return self.positive(horizon, "dt", None) };
         if horizon.contains_key("dt") {
-            let message = "`dt` and `end_time` say the same twice";
+            let message = "`dt` and `end_time` both define the horizon";
             return Err(self.doc.error(v.span(), message, "remove one of them: dt = end_time/steps").into());
         }
         let end_time = end_time.map_or_else(|| self.positive(horizon, "end_time", None), Ok)?;

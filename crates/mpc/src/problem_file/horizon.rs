@@ -22,7 +22,7 @@ impl Reader<'_> {
         }
         let stages = self.count(horizon, "stages", Some(2))?;
         if let Some(v) = horizon.get("stages").filter(|_| stages > 4) {
-            let remedy = "2 stages are a good choice";
+            let remedy = "2 stages are usual";
             return Err(self.doc.error(v.span(), "`stages` must be 1, 2, 3 or 4", remedy).into());
         }
         let methods = [
@@ -45,7 +45,7 @@ impl Reader<'_> {
             None => Ok(steps),
             Some(v) => {
                 let message = format!("{steps} integration steps per interval take too long");
-                let remedy = format!("take at most {MOST_SUBSTEPS}, an implicit integrator, or a shorter dt");
+                let remedy = format!("use at most {MOST_SUBSTEPS}, an implicit integrator, or a shorter dt");
                 Err(self.doc.error(v.span(), message, remedy).into())
             }
         }

@@ -16,7 +16,7 @@ impl Reader<'_> {
                 let remedy = "write lengths = [0.05, 0.05, 0.1, 0.2]: seconds, the first one the sampling period";
                 for key in ["steps", "dt", "growth", "end_time"] {
                     if let Some(other) = horizon.get(key) {
-                        let message = format!("`lengths` says all of the grid: `{key}` has no place beside it");
+                        let message = format!("`lengths` defines the whole grid: it cannot be combined with `{key}`");
                         return Err(self.doc.error(other.span(), message, "remove one of them").into());
                     }
                 }
@@ -39,8 +39,8 @@ impl Reader<'_> {
             (None, Some(v)) => {
                 let growth = self.positive(horizon, "growth", None)?;
                 if horizon.contains_key("end_time") {
-                    let message = "`growth` goes on from the first interval";
-                    return Err(self.doc.error(v.span(), message, "give dt in place of end_time").into());
+                    let message = "`growth` continues from the first interval";
+                    return Err(self.doc.error(v.span(), message, "give dt instead of end_time").into());
                 }
                 let dt = self.positive(horizon, "dt", None)?;
                 let steps = self.count_up_to(horizon, "steps", None, MOST_INTERVALS)?;

@@ -64,7 +64,7 @@ impl Reader<'_> {
         let remedy = format!("write {name} = {{ rate = {{ min = -1, max = 1 }} }}: change per second");
         let of_input = !b.contains_key("expression") && !b.contains_key("norm");
         let Some(j) = self.system.input_index(name).filter(|_| of_input) else {
-            let remedy = "write it beside the bounds of an input, or use rate(…) in the expression";
+            let remedy = "write it with the bounds of an input, or use rate(…) in the expression";
             return Err(self.doc.error(v.span(), "`rate` applies to an input", remedy).into());
         };
         let Value::Table(ends) = v.get_ref() else {

@@ -81,7 +81,7 @@ impl Reader<'_> {
              changes continuously, make `{name}` a state of the model, with its rate as the input: dynamics = {{ {name} = \
              \"{name}_rate\" }}"
         );
-        Err(self.doc.error(v.span(), format!("`der({name})` cannot stand in a cost or constraint"), remedy).into())
+        Err(self.doc.error(v.span(), format!("`der({name})` cannot be used in a cost or constraint"), remedy).into())
     }
 
     pub(super) fn number(&self, table: &Table<'_>, key: &str, default: Option<f64>) -> Parsed<(f64, Range<usize>)> {

@@ -148,8 +148,8 @@ impl Reader<'_> {
                     None => Ok(()),
                     Some(name) => {
                         let message =
-                            format!("with a robust horizon beyond 1, `{name}` may stand in the dynamics alone");
-                        let remedy = "write robust_horizon = 1, or a number in its place";
+                            format!("with a robust horizon above 1, `{name}` can be used in the dynamics only");
+                        let remedy = "write robust_horizon = 1, or replace it by a number";
                         Err(self.doc.error(v.span(), message, remedy).into())
                     }
                 }

@@ -87,8 +87,8 @@ impl Reader<'_> {
         let with = |name: Name| self.solve_by(name, solve, hard_weight, input_bounds);
         if planned {
             if let Some(v) = solve.get("method").filter(|_| named != Name::Plan) {
-                let message = "this method has a horizon that moves on: it cannot decide on an end time or a parameter";
-                let remedy = "write method = \"plan\", or remove it; or fix what is free";
+                let message = "this method has a moving horizon: it cannot optimize an end time or a parameter";
+                let remedy = "write method = \"plan\", or remove it; or fix the free values";
                 return Err(self.doc.error(v.span(), message, remedy).into());
             }
             if solve.contains_key("method") {
@@ -127,12 +127,8 @@ impl Reader<'_> {
         let smoothing = self.smoothing(solve)?;
         let margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
         for (key, value, remedy) in [
-            ("margin", margin, "write the share of the bounds that is left to the feedback, such as 0.05"),
-            (
-                "tolerance",
-                convergence.tolerance,
-                "write the share of the cost that a last step may promise, such as 1e-8",
-            ),
+            ("margin", margin, "write the share of the bounds reserved for the feedback, such as 0.05"),
+            ("tolerance", convergence.tolerance, "write the relative cost decrease at which to stop, such as 1e-8"),
         ] {
             if let Some(v) = solve.get(key).filter(|_| value >= 1.0) {
                 return Err(self.doc.error(v.span(), format!("`{key}` must be below 1"), remedy).into());

@@ -25,7 +25,7 @@ impl Reader<'_> {
         let place = table.get("uncertainty").map_or(0..0, toml::Spanned::span);
         let combinations = match (t.get("parameters"), t.get("scenarios")) {
             (Some(_), Some(v)) => {
-                let message = "`parameters` and `scenarios` say the same twice";
+                let message = "`parameters` and `scenarios` both define the scenarios";
                 return Err(self.doc.error(v.span(), message, "remove one of them").into());
             }
             (Some(v), None) => self.products(v, t)?,
@@ -52,7 +52,7 @@ impl Reader<'_> {
                 combinations.len()
             );
             let remedy = format!(
-                "take at most {MOST_BRANCHES} branches with {MOST_STATES} states: fewer values, listed `scenarios`, or a \
+                "use at most {MOST_BRANCHES} branches with {MOST_STATES} states: fewer values, listed `scenarios`, or a \
                  shorter `robust_horizon`"
             );
             return Err(self.doc.error(place, message, remedy).into());
@@ -76,7 +76,7 @@ impl Reader<'_> {
             None => None,
             Some((_, Value::Table(weights))) => Some(weights),
             Some((w, _)) => {
-                let message = "beside `parameters`, `weights` must be a table";
+                let message = "with `parameters`, `weights` must be a table";
                 let remedy = "write weights = { k = [0.25, 0.5, 0.25] }: one per value of each parameter";
                 return Err(self.doc.error(w.span(), message, remedy).into());
             }

@@ -92,7 +92,7 @@ impl fmt::Display for SolveStatus {
                 write!(f, "infeasible: a hard bound is violated by {violation:.3e} scales")
             }
             Self::IterationLimit => write!(f, "stopped at the iteration limit"),
-            Self::Stalled => write!(f, "stalled: no step lowers the merit"),
+            Self::Stalled => write!(f, "stalled: no step decreases the merit function"),
             Self::QpFailed(s) => write!(f, "stopped: a quadratic program ended as {s:?}"),
             Self::NotANumber => write!(f, "stopped: a number is not finite"),
             Self::IntegratorFailed => write!(f, "stopped: an implicit integration step could not be solved"),

@@ -162,13 +162,17 @@ fn mistakes_are_said_with_their_place_and_remedy() {
             "uncertainty = { noise = { x = 1 }, confidence = 0.9, weights = [1] }",
             "needs uncertain parameters",
         ),
-        ("x = { min = 0.4, max = 0.5 }", "uncertainty = { noise = { x = 1 }, confidence = 0.9 }", "leaves no room"),
+        (
+            "x = { min = 0.4, max = 0.5 }",
+            "uncertainty = { noise = { x = 1 }, confidence = 0.9 }",
+            "no admissible value remains",
+        ),
         (
             "x = { max = 0.5, hard = true, probability = 0.9 }",
             "uncertainty = { noise = { x = 1 } }",
-            "no soft bound of a state",
+            "not a soft bound of a state",
         ),
-        ("u = { max = 0.5, probability = 0.9 }", "uncertainty = { noise = { x = 1 } }", "no soft bound of a state"),
+        ("u = { max = 0.5, probability = 0.9 }", "uncertainty = { noise = { x = 1 } }", "not a soft bound of a state"),
     ];
     for (bounds, lines, said) in mistakes {
         let error =

@@ -145,7 +145,7 @@ fn what_belongs_to_continuous_time_is_refused_with_its_place() {
         )
     };
     for (text, said, place) in [
-        (with("dt = 0.3", ""), "no multiple", "problem.toml:2:"),
+        (with("dt = 0.3", ""), "not a multiple", "problem.toml:2:"),
         (with("dt = 0.2, integrator = 'radau'", ""), "`integrator`", "problem.toml:2:"),
         (with("dt = 0.2, substeps = 3", ""), "`substeps`", "problem.toml:2:"),
         (with("dt = 0.2, growth = 2", ""), "`growth`", "problem.toml:2:"),

@@ -172,10 +172,10 @@ fn misuse_is_named() {
     assert!(message(&problem).contains("a tiny one"));
     problem.outputs = vec![MeasuredOutput::new("x", 1e-3)];
     problem.parameters = vec![EstimatedParameter::new("nu", 0.1)];
-    assert_eq!(message(&problem), "there is no parameter `nu`: known are mu, g");
+    assert_eq!(message(&problem), "there is no parameter `nu`: the problem has mu, g");
     problem.parameters.clear();
     problem.disturbances = vec![Disturbance::new(DisturbanceChannel::Input("b".into()), 0.1, 0.1)];
-    assert_eq!(message(&problem), "there is no input `b`: known are a");
+    assert_eq!(message(&problem), "there is no input `b`: the problem has a");
     problem.disturbances.clear();
     let mut filter = ExtendedKalman::new(&problem).unwrap();
     assert!(filter.correct(&[0.0, 0.0]).is_err());

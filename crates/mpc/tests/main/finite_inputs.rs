@@ -157,10 +157,10 @@ fn mistakes_are_said_with_their_place_and_remedy() {
         ("u = { values = 1 }", "must be a list"),
         ("u = { values = [1] }", "fewer than two values"),
         ("u = { values = [] }", "fewer than two values"),
-        ("u = { values = [0, 1, 1] }", "there twice"),
+        ("u = { values = [0, 1, 1] }", "occurs twice"),
         ("u = { values = [0, 3] }", "outside its range 0 to 2"),
-        ("u = { values = [0, 1], max = 1 }", "`max` has no place beside it"),
-        ("u = { values = [0, 1], rate = { max = 1 } }", "`rate` has no place beside it"),
+        ("u = { values = [0, 1], max = 1 }", "cannot be combined with `max`"),
+        ("u = { values = [0, 1], rate = { max = 1 } }", "cannot be combined with `rate`"),
         ("x = { values = [0, 1] }", "applies to an input"),
         ("u = { values = [0, \"q\"] }", "q"),
     ];

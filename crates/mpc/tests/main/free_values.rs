@@ -209,14 +209,14 @@ fn what_cannot_be_free_is_refused_at_its_place() {
     let free = "{ free = true, guess = 2 }";
     let rest = "cost = { stage = \"1 + u^2\" }\nrun = {}";
     for (text, message, line) in [
-        (format!("horizon = {{ steps = 5, dt = 0.1, end_time = {free} }}\n{rest}"), "say the same twice", 2),
+        (format!("horizon = {{ steps = 5, dt = 0.1, end_time = {free} }}\n{rest}"), "both define the horizon", 2),
         (format!("horizon = {{ steps = 5, end_time = {{ free = true }} }}\n{rest}"), "has no `guess`", 2),
         (format!("horizon = {{ steps = 5, end_time = {{ guess = 1 }} }}\n{rest}"), "is not free", 2),
         (format!("horizon = {{ steps = 5, end_time = {{ free = true, guess = -1 }} }}\n{rest}"), "positive", 2),
         (format!("horizon = {{ steps = 5, end_time = {{ free = true, guess = 1, min = 2 }} }}\n{rest}"), "between", 2),
         (
             format!("horizon = {{ steps = 5, end_time = {free} }}\n{rest}\nsolve = {{ method = \"rti\" }}"),
-            "cannot decide on an end time",
+            "cannot optimize an end time",
             5,
         ),
         (

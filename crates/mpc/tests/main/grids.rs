@@ -116,13 +116,13 @@ fn time_and_constraints_belong_to_the_grid_points() {
 fn what_does_not_make_a_grid_is_refused_at_its_place() {
     let rest = "cost = { stage = \"x^2 + u^2\" }\nrun = {}";
     for (horizon, more, message) in [
-        ("{ lengths = [0.1, 0.2], dt = 0.1 }", "", "`dt` has no place beside it"),
+        ("{ lengths = [0.1, 0.2], dt = 0.1 }", "", "cannot be combined with `dt`"),
         ("{ lengths = [0.1, -0.2] }", "", "a length must be positive"),
         ("{ lengths = [] }", "", "`lengths` is empty"),
         ("{ lengths = 3 }", "", "must be a list"),
         ("{ steps = 200, dt = 0.1, growth = 1.5 }", "", "choose a growth closer to 1"),
         ("{ steps = 5, dt = 0.1, growth = 0 }", "", "`growth` must be positive"),
-        ("{ steps = 5, end_time = 2, growth = 1.1 }", "", "give dt in place of end_time"),
+        ("{ steps = 5, end_time = 2, growth = 1.1 }", "", "give dt instead of end_time"),
         ("{ steps = 5, dt = 0.1, growth = 1.1 }", "solve = { method = \"plan\" }", "cannot be combined"),
         ("{ steps = 5, dt = 0.1, growth = 1.1 }", "constraints = { u = { rate = { max = 1 } } }", "rates of inputs"),
     ] {

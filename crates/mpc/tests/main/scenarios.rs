@@ -293,7 +293,7 @@ fn mistakes_are_said_with_their_place_and_remedy() {
         ("uncertainty = { parameters = { k = [1, 2] }, weights = { k = [0, 0] } }", "all weights are zero"),
         ("uncertainty = { parameters = { k = [1, 2] }, weights = [1, 1] }", "must be a table"),
         ("uncertainty = { parameters = { k = [1, 2] }, weights = { m = [1, 2] } }", "has weights but no values"),
-        ("uncertainty = { parameters = { k = [1, 2] }, scenarios = [{ k = 1 }] }", "the same twice"),
+        ("uncertainty = { parameters = { k = [1, 2] }, scenarios = [{ k = 1 }] }", "both define the scenarios"),
         ("uncertainty = { scenarios = [{ k = 1 }, { m = 1 }] }", "to the same parameters"),
         ("uncertainty = { scenarios = [] }", "is empty"),
         ("uncertainty = { parameters = { k = [1, 2] }, robust_horizon = 0 }", "whole number from 1"),
@@ -322,7 +322,7 @@ fn mistakes_are_said_with_their_place_and_remedy() {
     assert!(read(SPRING, &text).err().unwrap().to_string().contains("no scenario tree"));
     let text =
         spring("sqp", "uncertainty = { parameters = { k = [1, 2] }, robust_horizon = 2 }").replace("x^2 +", "k*x^2 +");
-    assert!(read(SPRING, &text).err().unwrap().to_string().contains("in the dynamics alone"));
+    assert!(read(SPRING, &text).err().unwrap().to_string().contains("in the dynamics only"));
 }
 
 #[test]

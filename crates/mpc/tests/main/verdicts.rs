@@ -29,7 +29,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     assert!(none.contains("neither a cost nor a target"), "{none}");
     let rate = refused(model, &format!("{horizon}cost = {{ stage = \"x^2 + der( u )^2\" }}"));
     assert!(
-        rate.contains("problem.toml:4:") && rate.contains("`der(u)` cannot stand") && rate.contains("u_rate"),
+        rate.contains("problem.toml:4:") && rate.contains("`der(u)` cannot be used") && rate.contains("u_rate"),
         "{rate}"
     );
     let cost = "cost = { stage = \"x^2 + u^2\" }\n";

@@ -97,7 +97,7 @@ pub(super) fn amplitude_step(text: &str) -> Result<AmplitudeStep, Problem> {
         "smooth" => Ok(AmplitudeStep::Smooth),
         other => Err(problem(
             format!("`{other}` is not an amplitude step"),
-            "name world (the plate jumps, the object stays in the world) or smooth (no jump)",
+            "give world (the plate jumps, the object keeps its place in the inertial frame) or smooth (no jump)",
         )),
     }
 }

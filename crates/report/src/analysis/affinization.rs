@@ -76,7 +76,7 @@ impl AffinizationReport {
 /// A candidate for an affine form in words.
 pub fn method_name(method: Method) -> &'static str {
     match method {
-        Method::None => "as it stands",
+        Method::None => "already affine",
         Method::InputChange => "new inputs",
         Method::Feedback => "new inputs that depend on the state",
         Method::InputAugmentation => "integrators",
@@ -92,7 +92,7 @@ pub fn changes(a: &Affinization) -> Vec<String> {
     });
     let states = a.coordinate_change.iter().map(|z| {
         let (function, inverse) = (z.function.text(), z.inverse.text());
-        format!("new state {} = {function} in place of {} = {inverse}", z.name, z.replaces)
+        format!("new state {} = {function} replaces {} = {inverse}", z.name, z.replaces)
     });
     inputs.chain(states).chain(a.range_notes.iter().map(ToString::to_string)).collect()
 }
@@ -116,6 +116,6 @@ fn candidate(c: &Candidate, a: &Affinization) -> String {
         n => counted(n, "state", "states"),
     };
     // The reason of the one taken stands above.
-    let why = if c.chosen && c.why == a.why { "taken".to_owned() } else { c.why.to_string() };
+    let why = if c.chosen && c.why == a.why { "selected".to_owned() } else { c.why.to_string() };
     format!("{method}, adds {states}: {why}")
 }

@@ -65,7 +65,7 @@ fn input_output(f: &mut String, r: &InputOutputReport) -> fmt::Result {
         let label = if i == 0 { "relative degree" } else { "" };
         match degree {
             Some(r) => writeln!(f, "  {label:<22} {r} of {name}")?,
-            None => writeln!(f, "  {label:<22} none of {name}: no input reaches it")?,
+            None => writeln!(f, "  {label:<22} none for {name}: no input reaches it")?,
         }
     }
     for (i, row) in r.decoupling_matrix.iter().enumerate() {

@@ -35,9 +35,9 @@ fn about_delays(a: &Analysis) -> Option<String> {
     }
     let list: Vec<String> = a.input_delays.iter().map(|(name, d)| format!("{name} by {d} s")).collect();
     Some(format!(
-        "Inputs act later than they are commanded ({}). All this is about the inputs as they arrive: what they reach from the \
-         state at which the first command arrives is reached that much later, ranks and dimensions are the same. A \
-         feedback of the state, as for linearization or stabilization, would have to know the state that much ahead.",
+        "Inputs act later than they are commanded ({}). All statements refer to the inputs as they arrive: ranks and \
+         dimensions do not change, and the inputs reach the same sets later by the delay. State feedback, as for \
+         linearization or stabilization, has to predict the state over the delay.",
         list.join(", ")
     ))
 }
@@ -46,8 +46,7 @@ fn about_delays(a: &Analysis) -> Option<String> {
 fn plain_language(a: &Analysis) -> String {
     let n = a.states;
     if a.inputs == 0 {
-        return "There are no inputs: nothing can be steered, and what there is to ask is what the outputs tell."
-            .to_owned();
+        return "There are no inputs: the state cannot be controlled, only observed through the outputs.".to_owned();
     }
     let Some(worst) = a.report.modes.iter().min_by_key(|m| m.dimensions.strongly_accessible_dimension.known().copied())
     else {
@@ -90,9 +89,9 @@ fn plain_language(a: &Analysis) -> String {
     {
         let _ = write!(
             text,
-            " The smoothed model, in which sign(σ) is tanh(σ/{}), has dimension {all} in one piece, because the smooth \
-             sign depends on the state and so couples the directions. That rank speaks of the smoothed model alone: exact \
-             dry friction holds whatever the inputs do not overcome.",
+            " The smoothed model, in which sign(σ) is tanh(σ/{}), has dimension {all} in a single mode, because the \
+             smooth sign depends on the state and so couples the directions. That rank holds for the smoothed model \
+             only: exact dry friction sticks where the inputs do not overcome it.",
             s.epsilon
         );
     }
@@ -107,16 +106,17 @@ fn together(switched: &SwitchedReport, inside: usize, n: usize) -> String {
     match &switched.dimensions.strongly_accessible_dimension {
         Answer::Known(all) if *all <= inside => String::new(),
         Answer::Known(all) if switched.strongly_accessible_by == SwitchingTheorem::SurfaceClosure => format!(
-            " Where the motion crosses from one mode to another it goes on in other directions, and may return: over all modes \
-             together the dimension is {all} of {n}, if the surfaces between the modes are crossed again and again."
+            " Where the motion crosses from one mode to another, it continues in other directions and may return: \
+             over all modes together, the dimension is {all} of {n} if the surfaces between the modes are crossed \
+             repeatedly."
         ),
         Answer::Known(all) => format!(
-            " Where the motion changes from one mode to another the drift changes, and the difference of two drifts acts \
-             like one more input: with all modes together the dimension is {all} of {n}. So directions that one mode \
-             leaves out can be gained by switching, which for dry friction means sliding to and fro, as far as the inputs \
+            " Where the mode changes, the drift changes, and the difference of two drifts acts like an additional \
+             input: with all modes together, the dimension is {all} of {n}. Switching thus reaches directions that a \
+             single mode does not; with dry friction, this means sliding back and forth, as far as the inputs \
              overcome the friction."
         ),
-        Answer::Unknown(why) => format!(" What switching between the modes adds is not decided: {why}."),
+        Answer::Unknown(why) => format!(" What switching between the modes adds is undecided: {why}."),
     }
 }
 

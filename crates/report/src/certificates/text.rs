@@ -9,20 +9,25 @@ pub(super) fn reason(why: &Reason) -> String {
     match why {
         Reason::InputDerivative { input } => {
             format!(
-                "the equations use derivatives of the input {input}: make the model affine first (affinize), which makes states of them"
+                "the equations use derivatives of the input {input}: make the model affine first (affinize), so that \
+                 they become states"
             )
         }
-        Reason::InputDelay { input } => format!("the input {input} acts with a delay, which certificates do not treat"),
+        Reason::InputDelay { input } => {
+            format!("the input {input} acts with a delay, which certificates do not support")
+        }
         Reason::NotPolynomial { of } => format!(
-            "the derivative of {of} is no polynomial with rational coefficients, or one of more than 300 terms: replace other functions by Taylor polynomials, and say so"
+            "the derivative of {of} is not a polynomial with rational coefficients and at most 300 terms: replace \
+             other functions by Taylor polynomials, and state the approximation"
         ),
         Reason::IrrationalPoint { name } => {
             format!(
-                "{name} is no rational number at the point: write it as a fraction, or shift the state in the model"
+                "{name} is not a rational number at the point: write it as a fraction, or shift the state in the model"
             )
         }
         Reason::NotEquilibrium { state, derivative } => format!(
-            "the point is no equilibrium: {state}' = {} there; trim finds one, and --at takes it as exact numbers",
+            "the point is not an equilibrium: {state}' = {} there; find one with trim and pass it to --at as exact \
+             numbers",
             readable(*derivative)
         ),
         Reason::Unstable { eigenvalues } => format!(
@@ -30,27 +35,28 @@ pub(super) fn reason(why: &Reason) -> String {
             if *eigenvalues == 1 { "" } else { "s" }
         ),
         Reason::Critical => {
-            "the linearization has eigenvalues on the imaginary axis, so that no quadratic form of it shows a region"
+            "the linearization has eigenvalues on the imaginary axis, so no quadratic form of it gives a region"
                 .to_owned()
         }
         Reason::Excluded { degree } => format!(
-            "no sum of squares of degree up to {degree} has the form sought: linear equations of its coefficients have no solution (exact)"
+            "no sum of squares of degree up to {degree} has the required form: the linear equations for its \
+             coefficients have no solution (exact)"
         ),
         Reason::NotFound { degree } => {
-            format!(
-                "not found among sums of squares of degree up to {degree}: unknown, this is no proof that there is none"
-            )
+            format!("none found among sums of squares of degree up to {degree} (undecided)")
         }
-        Reason::NotConfirmed => "a numerical solution did not pass the exact check: unknown".to_owned(),
+        Reason::NotConfirmed => "a numerical solution failed the exact check (undecided)".to_owned(),
         Reason::TooLarge => {
-            "too many monomials for the semidefinite program: try --degree 2, or fewer states".to_owned()
+            "too many monomials for the semidefinite program: use --degree 2 or a model with fewer states".to_owned()
         }
-        Reason::OutOfTime => "out of time: unknown; give a longer --time-limit".to_owned(),
+        Reason::OutOfTime => "time limit reached (undecided): raise --time-limit".to_owned(),
         Reason::NoPorts { inputs, outputs } => format!(
             "passivity needs as many outputs as inputs, at least one: the model has {inputs} inputs without feedback and {outputs} outputs"
         ),
-        Reason::NotAffine => "the equations are not affine in the inputs: affinize makes them so".to_owned(),
-        Reason::OutputForm => "an output is no polynomial of the states alone".to_owned(),
+        Reason::NotAffine => {
+            "the equations are not affine in the inputs: make the model affine first (affinize)".to_owned()
+        }
+        Reason::OutputForm => "an output is not a polynomial of the states alone".to_owned(),
     }
 }
 
@@ -95,14 +101,16 @@ fn finding(heading: &str, symbol: &str, f: &Finding) -> Vec<String> {
 fn conserved(c: &Conserved) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     match c.complete_to {
-        Some(0) => lines.push("  conserved polynomials: too many coefficients even for degree 1: unknown".to_owned()),
+        Some(0) => {
+            lines.push("  conserved polynomials: too many coefficients even for degree 1 (undecided)".to_owned())
+        }
         Some(d) if c.polynomials.is_empty() => {
             lines.push(format!("  conserved polynomials: none of degree up to {d} (linear equations, exact)"));
         }
         Some(d) => lines.push(format!(
             "  conserved polynomials: all others of degree up to {d} are polynomials of these (linear equations, exact)"
         )),
-        None if c.others.is_empty() => lines.push("  conserved functions: none found: unknown".to_owned()),
+        None if c.others.is_empty() => lines.push("  conserved functions: none found (undecided)".to_owned()),
         None => lines.push("  conserved functions, found by the search for first integrals:".to_owned()),
     }
     lines.extend(c.polynomials.iter().map(|p| format!("    {}", p.function)));
@@ -117,7 +125,8 @@ pub fn certification_text(found: &Certification) -> String {
     let mut lines = vec![format!("{}: certificates{place}", found.model)];
     for input in &found.ignored_ranges {
         lines.push(format!(
-            "  note: the feedback of {input} is taken without the range that the model gives {input}: what is proved holds where it stays within"
+            "  note: the feedback of {input} ignores the range of {input} in the model: the proofs hold where it \
+             stays within the range"
         ));
     }
     if let Some(why) = &found.not_polynomial {
@@ -142,7 +151,7 @@ pub fn certification_text(found: &Certification) -> String {
     let any = found.conserved.iter().any(|c| !c.polynomials.is_empty())
         || findings.iter().any(|(_, _, f)| f.as_ref().is_some_and(|f| f.proof().is_some()));
     if any {
-        lines.push("  what is proved was checked in rational arithmetic; --json gives the Gram matrices".to_owned());
+        lines.push("  all proofs were checked in rational arithmetic; --json gives the Gram matrices".to_owned());
     }
     lines.join("\n") + "\n"
 }
@@ -163,7 +172,7 @@ pub fn check_text(model: &str, outcome: &Result<Conclusion, CheckError>) -> Stri
         }
         Err(CheckError::Model(why)) => format!("{model}: the certificate proves nothing here: {}\n", reason(why)),
         Err(CheckError::OtherModel) => {
-            format!("{model}: the certificate is about other equations, another point, or another feedback\n")
+            format!("{model}: the certificate is for other equations, another point, or another feedback\n")
         }
         Err(CheckError::Flaw(flaw)) => format!("{model}: the certificate proves nothing: {flaw}\n"),
     }

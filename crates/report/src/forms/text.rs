@@ -24,25 +24,24 @@ pub(super) fn form_name(form: Form) -> &'static str {
 pub(super) fn note(n: &FormNote) -> String {
     match n {
         FormNote::OutputOmitted { output } => {
-            format!("the output {output} has no closed form in the new coordinates and is left out")
+            format!("the output {output} has no closed form in the new coordinates and is omitted")
         }
         FormNote::RangesLost => {
-            "the old inputs have ranges: those of the new inputs depend on the state and are not in the file".to_owned()
+            "the old inputs have ranges; those of the new inputs depend on the state and are not written to the file"
+                .to_owned()
         }
-        FormNote::ParameterValues => {
-            "the change was confirmed for the given values of the parameters, and not for all others".to_owned()
-        }
+        FormNote::ParameterValues => "the change was confirmed for the given parameter values only".to_owned(),
         FormNote::Linearized => "the model is not linear: this is its linear approximation at the point".to_owned(),
         FormNote::Branch { through } => {
             let at: Vec<String> = through.iter().map(|(name, v)| format!("{name} = {}", readable(*v))).collect();
             format!("the inverse has several branches: this is the one through {}", at.join(", "))
         }
         FormNote::InternalDrivenByInputs => {
-            "inputs enter the equations of the internal states: no coordinates were found in which they do not"
-                .to_owned()
+            "inputs enter the equations of the internal states: no coordinates without them were found".to_owned()
         }
         FormNote::Extended => {
-            "the old states are those of the model with integrators in front of inputs (the part `extended`), a dynamic feedback"
+            "the old states are those of the model with integrators in front of inputs (part `extended`): a dynamic \
+             feedback"
                 .to_owned()
         }
         FormNote::OutputChanged { output, function } => {
@@ -58,24 +57,24 @@ pub(super) fn next_step(why: &Obstacle) -> Option<&'static str> {
         Obstacle::NotAffine { .. } => "make the model affine first: bracketry affinize MODEL > affine.toml",
         Obstacle::Switches { .. } => "transform the equations of one mode, with each sign replaced by 1 or -1",
         Obstacle::Delay { .. } => "remove [delays] to see the form without the delay",
-        Obstacle::DependentInputs { .. } => "remove inputs that do the same as others",
+        Obstacle::DependentInputs { .. } => "remove redundant inputs",
         Obstacle::NotSquare { .. } | Obstacle::NotSingle { .. } => "choose outputs with --output NAME",
         Obstacle::NoLinearizingOutputs | Obstacle::CoordinatesNotFound { .. } => {
-            "name a function that may serve in [outputs] or [definitions]: these are tried first"
+            "name a candidate function in [outputs] or [definitions]: these are tried first"
         }
         Obstacle::NoFlatOutputs { .. } | Obstacle::FlatnessOpen { .. } => {
-            "name functions that may be flat outputs in [outputs] or [definitions]: these are tried first"
+            "name candidate flat outputs in [outputs] or [definitions]: these are tried first"
         }
         Obstacle::OutputInjection { .. } | Obstacle::InputInjection { .. } => {
             "try another output (--output), or an extended Kalman filter: [estimation] in a problem file"
         }
-        Obstacle::NotObservable { .. } => "see what the outputs tell: bracketry transform MODEL --to observable",
+        Obstacle::NotObservable { .. } => "see what the outputs determine: bracketry transform MODEL --to observable",
         Obstacle::NoInverse { .. } => "give a point near which to invert (--at), or simpler states",
         Obstacle::NotAtRest { .. } => "find an equilibrium first: bracketry trim MODEL --out out",
         Obstacle::Irrational => "choose a point with rational values, or use bracketry linearize for numbers",
         Obstacle::NoOutputs => "add a table [outputs]",
         Obstacle::NotInvolutive { .. } | Obstacle::NoRelativeDegree { .. } => {
-            "see whether a dynamic feedback exists: bracketry analyze MODEL tells the dynamic extension and flatness"
+            "check for a dynamic feedback: bracketry analyze MODEL reports the dynamic extension and flatness"
         }
         _ => return None,
     })
@@ -124,7 +123,7 @@ fn found(form: &NormalForm) -> Vec<String> {
     match &form.singular_set {
         Some(set) if set.is_nowhere() => lines.push("singular nowhere".to_owned()),
         Some(set) => lines.push(format!("singular where {set}")),
-        None => lines.push("the singular set is too large to be written out".to_owned()),
+        None => lines.push("the singular set is too large to print".to_owned()),
     }
     if let Some(valid) = &form.inverse_valid {
         lines.push(format!("the formulas of the old states hold where {valid}"));
@@ -179,10 +178,10 @@ pub fn transformation_model(t: &Transformation, form: &NormalForm) -> Result<Str
 /// [`WriteError`] for an equation that is too long to be written out.
 pub fn part_text(part: &Part) -> Result<String, WriteError> {
     let what = match part.kind {
-        PartKind::ZeroDynamics => "zero dynamics: the motion left while inputs hold the outputs",
+        PartKind::ZeroDynamics => "zero dynamics: the motion that remains while inputs hold the outputs",
         PartKind::Minimal => "the controllable and observable part: a minimal realization",
         PartKind::Inaccessible => "the part that no input influences",
-        PartKind::Observable => "the part that the outputs tell",
+        PartKind::Observable => "the part that the outputs determine",
         PartKind::Extended => "the model with integrators in front of inputs: a dynamic feedback",
     };
     Ok(format!("# {what}\n{}", part.system.to_toml()?))

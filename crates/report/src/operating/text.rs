@@ -11,19 +11,22 @@ use nalgebra::DMatrix;
 pub(super) fn note(n: &TrimNote) -> String {
     match n {
         TrimNote::Underdetermined { dimensions } => format!(
-            "the solutions form a set of dimension {dimensions}: this is the one next to the model's point (least norm); fix more variables for another"
+            "the solutions form a set of dimension {dimensions}: this is the one nearest to the model's point (least \
+             norm); fix more variables to get another"
         ),
         TrimNote::Degenerate => {
-            "the Jacobian has not full rank here: the solution is a multiple one, known to lower accuracy".to_owned()
+            "the Jacobian does not have full rank here: the solution is a multiple root and less accurate".to_owned()
         }
         TrimNote::WithinRounding { distance } => format!(
-            "the model's point differs from this one by at most {distance:.1e}, which is rounding: it is taken for this operating point"
+            "the model's point differs from this one by at most {distance:.1e}, which is rounding: it is accepted as \
+             this operating point"
         ),
         TrimNote::OutOfRange { input, value } => {
-            format!("{input} = {} is outside the range that the model gives it", readable(*value))
+            format!("{input} = {} is outside its range in the model", readable(*value))
         }
         TrimNote::Switching { name } => format!(
-            "{name} is 0 here, where the equations jump or have a kink: sign(0) is taken as 0; with dry friction, points around this one are at rest too"
+            "{name} is 0 here, where the equations jump or have a kink: sign(0) is taken as 0; with dry friction, \
+             nearby points are at rest too"
         ),
         TrimNote::Derivative { input } => format!("derivatives of {input} are 0 here"),
     }
@@ -37,7 +40,7 @@ fn value(v: &TrimValue) -> String {
     let role = match v.role {
         TrimRole::Free => "",
         TrimRole::Fixed => "   (fixed)",
-        TrimRole::Held => "   (held at the model's point; --free to search it)",
+        TrimRole::Held => "   (held at the model's point; use --free to search for it)",
     };
     format!("  {:>10} = {}{exact}{role}", v.name, readable(v.value))
 }
@@ -118,7 +121,7 @@ fn rank(name: &str, r: Rank) -> String {
 fn margin(name: &str, d: Option<&Distance>) -> String {
     match d {
         Some(d) => format!(
-            "  {name}: between {} and {} in the spectral norm; the mode next to it is {}",
+            "  {name}: between {} and {} in the spectral norm; the nearest mode is {}",
             readable(d.lower),
             readable(d.upper),
             complex(d.at)
@@ -147,17 +150,19 @@ pub fn linear_text(r: &LinearAnalysis) -> String {
         format!("  states {}; inputs {}; outputs {}", names(&s.states), names(&s.inputs), names(&s.outputs)),
     ];
     if s.states_are_outputs {
-        lines.push("  note: the model has no outputs: all states are taken for measured".to_owned());
+        lines.push("  note: the model has no outputs: all states are treated as measured".to_owned());
     }
     let at = s.states.iter().chain(&s.inputs).zip(&s.point).map(|(n, v)| format!("{n} = {}", readable(*v)));
     lines.push(format!("  at {}", at.collect::<Vec<_>>().join(", ")));
     match s.rest {
         Rest::Equilibrium => lines.push("  the point is an equilibrium".to_owned()),
         Rest::WithinRounding { residual } => {
-            lines.push(format!("  note: the point is an equilibrium up to rounding (derivatives up to {residual:.1e})"));
+            lines
+                .push(format!("  note: the point is an equilibrium up to rounding (derivatives up to {residual:.1e})"));
         }
         Rest::Moving { residual } => lines.push(format!(
-            "  note: the point is no equilibrium (derivatives up to {}): the matrices describe deviations from the motion; trim finds equilibria",
+            "  note: the point is not an equilibrium (derivatives up to {}): the matrices describe deviations from \
+             the motion; use trim to find equilibria",
             readable(residual)
         )),
     }

@@ -28,7 +28,7 @@ fn case(c: &ParameterCase, a: Aspect, states: usize) -> String {
     let conditions: Vec<String> = c.conditions.iter().map(|f| format!("{f} = 0")).collect();
     let mut line = format!("    {}: {}", conditions.join(" and "), value(&c.value, a, states));
     if c.confirmed_at.is_none() {
-        line += "   (for generic values; no rational point at hand)";
+        line += "   (for generic values; no rational point found)";
     } else {
         let at: Vec<String> = c.confirmed_at.0.iter().map(|(n, v)| format!("{n} = {v}")).collect();
         line.extend(["   (confirmed at ", &at.join(", "), ")"]);
@@ -47,14 +47,15 @@ fn open(why: &Incomplete, conditions: usize) -> String {
         Incomplete::TooLarge => "minors, factors, or sets grew too large".to_owned(),
         Incomplete::Nonlinear { condition } => {
             format!(
-                "{condition} = 0 is not solved for a parameter by a rational function: what holds there, or in a part of it, is open"
+                "{condition} = 0 was not solved for a parameter by a rational function: the verdict there, or on a \
+                 part of it, is open"
             )
         }
         Incomplete::MoreConditions => {
-            format!("more than {conditions} conditions at once were not looked at (--conditions N)")
+            format!("more than {conditions} simultaneous conditions were not examined (--conditions N)")
         }
         Incomplete::Undecided { reason } => format!("a set of parameters is undecided: {reason}"),
-        Incomplete::Time => "time was up (--time-limit SECONDS)".to_owned(),
+        Incomplete::Time => "time limit reached (--time-limit SECONDS)".to_owned(),
     }
 }
 
@@ -74,7 +75,7 @@ fn aspect(a: &AspectCases, report: &ParameterReport) -> Vec<String> {
     } else if a.complete_up_to_conditions {
         let few = match report.conditions {
             1 => "one condition".to_owned(),
-            n => format!("{n} conditions at once"),
+            n => format!("{n} simultaneous conditions"),
         };
         lines.push(format!("    these are all cases with up to {few} (proven)"));
     } else {
@@ -95,13 +96,13 @@ pub fn parameter_text(report: &ParameterReport) -> String {
     }
     if !report.undefined.is_empty() {
         let list: Vec<String> = report.undefined.iter().map(|f| format!("{f} = 0")).collect();
-        lines.push(format!("  the equations have no value where {}", list.join(" or ")));
+        lines.push(format!("  the equations are undefined where {}", list.join(" or ")));
     }
     for a in &report.aspects {
         lines.extend(aspect(a, report));
     }
     if let Some(why) = report.no_linearization {
-        lines.push(format!("  nothing is said of the linearization: {why}"));
+        lines.push(format!("  no statement on the linearization: {why}"));
     }
     if report.certificate.decisions() > 0 {
         lines.push(format!("  probability that a rank is wrong: {}", report.certificate.error_text()));
@@ -123,7 +124,7 @@ pub(super) fn cell(c: &MapCell) -> String {
 pub fn parameter_map_text(map: &ParameterMap) -> String {
     let [a, b] = &map.names;
     let mut lines = vec![format!(
-        "{}: {} x {} cells over {a} and {b}; linearization at the middle of each",
+        "{}: {} x {} cells over {a} and {b}; linearization at the center of each",
         map.report.model,
         map.x.len(),
         map.y.len()

@@ -45,8 +45,11 @@ fn signs(out: &mut String, s: &SignComparison) -> fmt::Result {
     let given = if s.noise_given { "given" } else { "estimated" };
     let noise = format!("noise of the log {} ({given})", size(s.noise));
     if let Some(first) = s.close.first() {
-        let count = format!("{} of {} starts of periods", s.close.len(), s.starts);
-        writeln!(out, "  signs       the same at {count} where noise or the difference of run and log could decide,")?;
+        let count = format!("{} of {} period starts", s.close.len(), s.starts);
+        writeln!(
+            out,
+            "  signs       agree at {count} where noise or the difference of run and log could reverse them,"
+        )?;
         writeln!(out, "    first at t = {:.3} s: error in {name} {}; {noise}", first.t, errors(first))?;
     }
     let Some(o) = &s.opposite else { return Ok(()) };
@@ -58,11 +61,11 @@ fn signs(out: &mut String, s: &SignComparison) -> fmt::Result {
     )?;
     writeln!(out, "    error in {name} then: {}; {noise}", errors(&o.errors))?;
     writeln!(out, "    {}", source(o.sign_of_log))?;
-    let explained = format!("than the {} that noise and the deviation before explain", size(o.explained));
+    let explained = format!("than the {} that noise and the previous deviation explain", size(o.explained));
     if o.is_chance() {
         writeln!(out, "    the errors differ by less {explained}: only the comparison before this time counts")?;
     } else {
-        writeln!(out, "    the errors differ by more {explained}: the model moves the object otherwise")?;
+        writeln!(out, "    the errors differ by more {explained}: the model moves the object differently")?;
     }
     let mut line = |label: &str, d: Option<&PoseDeviations>| match d {
         Some(d) => writeln!(
@@ -76,16 +79,16 @@ fn signs(out: &mut String, s: &SignComparison) -> fmt::Result {
     line("after", o.after.as_ref())?;
     line("after, with the signs of the log", o.after_with_signs_of_log.as_ref())?;
     let times: Vec<String> = o.given_signs.iter().map(|t| format!("{t:.3}")).collect();
-    writeln!(out, "    {:<32} {} s", "signs of the log given at", times.join(", "))?;
-    writeln!(out, "    {:<32} {}", "what depends on the sign", depending(o))
+    writeln!(out, "    {:<32} {} s", "signs taken from the log at", times.join(", "))?;
+    writeln!(out, "    {:<32} {}", "affected by the sign", depending(o))
 }
 
 fn source(sign: SignSource) -> &'static str {
     match sign {
-        SignSource::Run => "the log does not tell its sign",
-        SignSource::LoggedPlate => "the sign of the log is that of the motion of its plate",
+        SignSource::Run => "the log does not show its sign",
+        SignSource::LoggedPlate => "the sign of the log is that of its plate motion",
         SignSource::LoggedError => "the sign of the log is that of its error",
-        SignSource::LoggedMotion => "the sign of the log is the one with which the object would move as in the log",
+        SignSource::LoggedMotion => "the sign of the log is the one for which the object would move as logged",
     }
 }
 

@@ -105,17 +105,19 @@ fn contact(out: &mut String, run: &PlateRun) -> fmt::Result {
 pub(super) fn assumption(assumption: Assumption) -> &'static str {
     match assumption {
         Assumption::LoggedMotion => {
-            "the plate moves as in the log, smoothed by its own noise; where it jumps, the object stays in the world"
+            "the plate moves as in the log, smoothed according to its noise; where it jumps, the object keeps its \
+             place in the inertial frame"
         }
-        Assumption::TimeConstant => "tau = 1 s; the inputs begin with the run",
+        Assumption::TimeConstant => "tau = 1 s; the inputs start with the run",
         Assumption::HeldAmplitude => {
             "the amplitude follows e = q - q_desired, read at the start of each period and held over it"
         }
         Assumption::AmplitudeStep(AmplitudeStep::WorldFixed) => {
-            "where the amplitude changes the plate jumps and the object stays in the world: x' and x lose the jump"
+            "where the amplitude changes, the plate jumps and the object keeps its place in the inertial frame: the \
+             jump is subtracted from x' and x"
         }
         Assumption::AmplitudeStep(AmplitudeStep::Smooth) => {
-            "where the amplitude changes the plate goes on without the jump"
+            "where the amplitude changes, the plate continues without the jump"
         }
         Assumption::StartAtRest => "the object starts at rest on the plate",
         Assumption::TimeToTarget => "time to target: first time at 98 % of the way",
@@ -126,23 +128,24 @@ pub(super) fn assumption(assumption: Assumption) -> &'static str {
 pub(super) fn stopped(stop: &PlateStop) -> String {
     match stop {
         PlateStop::NoLoad { t } => format!(
-            "lift-off by t = {t:.3} s: the normal force became negative, which this model cannot follow; take --model body"
+            "lift-off by t = {t:.3} s: the normal force became negative, which this model does not cover; use \
+             --model body"
         ),
-        PlateStop::Departed(outcome) => format!("the object {}; --model body goes on from there", departed(outcome)),
+        PlateStop::Departed(outcome) => format!("the object {}; --model body continues from there", departed(outcome)),
         PlateStop::Overturned { t } => {
             format!("the object has overturned and lies on its upper face at t = {t:.6} s")
         }
         PlateStop::StepLimit { t } => format!("too many steps of the free body at t = {t:.6} s"),
         PlateStop::NotFinite { t } => format!("numbers out of range at t = {t:.6} s"),
-        PlateStop::Rocking { t } => format!("the object rocks faster than can be followed at t = {t:.6} s"),
+        PlateStop::Rocking { t } => format!("the object rocks too fast to be simulated at t = {t:.6} s"),
         PlateStop::Integration { t, reason } => format!("stopped at t = {t:.6} s: {reason}"),
-        PlateStop::Canceled { t } => format!("broken off at t = {t:.3} s"),
+        PlateStop::Canceled { t } => format!("canceled at t = {t:.3} s"),
     }
 }
 
 fn departed(outcome: &AreaOutcome) -> String {
     match outcome {
-        AreaOutcome::LiftOff { t } => format!("lifts off at t = {t:.6} s: the plate would have to pull"),
+        AreaOutcome::LiftOff { t } => format!("lifts off at t = {t:.6} s: the contact force would have to pull"),
         AreaOutcome::Tipping { t, .. } => format!("tips at t = {t:.6} s: the center of pressure reaches the rim"),
         AreaOutcome::Finished | AreaOutcome::NotFinite { .. } => outcome.to_string(),
     }

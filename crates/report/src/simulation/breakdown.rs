@@ -25,15 +25,15 @@ pub fn breakdown(system: &System, breakdown: &Breakdown) -> String {
             }
         }
         Breakdown::NoInput { input } => format!(
-            "the input `{}` has no finite value there or right after; give it one at all times of the simulation",
+            "the input `{}` has no finite value there or right after; define it for the whole simulation",
             system.symbol_name(system.inputs[*input])
         ),
         Breakdown::NoRoot(failure) => {
-            format!("the algebraic equations are not solved there: {}", no_root(system, failure))
+            format!("the algebraic equations could not be solved there: {}", no_root(system, failure))
         }
         Breakdown::Runaway { state, rate } => format!(
-            "`{}` runs away there, its rate is {}: it grows without bound in finite time, or divides by what comes near 0; \
-             check its equation and the values of its parameters",
+            "`{}` diverges there, its rate is {}: it grows without bound in finite time, or its equation divides by \
+             a value near 0; check its equation and parameter values",
             system.symbol_name(system.states[*state]),
             readable(*rate)
         ),
@@ -46,27 +46,27 @@ fn no_root(system: &System, failure: &NoRoot) -> String {
     let (why, remedy) = match failure.why {
         NoRootReason::NotConverging => (
             "Newton's method does not converge",
-            "give a `guess` near the solution at the start, or keep the motion where there is one",
+            "give a `guess` near the solution at the start, or keep the motion where a solution exists",
         ),
         NoRootReason::Singular => (
-            "their derivatives by the algebraic variables are singular (index above 1) or not finite",
-            "begin elsewhere, or keep the motion where they are regular",
+            "their derivatives with respect to the algebraic variables are singular (index above 1) or not finite",
+            "start elsewhere, or keep the motion where they are regular",
         ),
         NoRootReason::OtherBranch => {
-            ("the branch of solutions on which the motion began ends in a fold", "keep the motion before the fold")
+            ("the branch of solutions on which the motion started ends in a fold", "keep the motion before the fold")
         }
     };
-    format!("{why}; the residual of that of `{name}` is {}; {remedy}", readable(failure.residual))
+    format!("{why}; the residual of the equation of `{name}` is {}; {remedy}", readable(failure.residual))
 }
 
 /// A part without value, as a clause; none if it is too long to be shown.
 fn clause(system: &System, part: UndefinedPart) -> Option<String> {
     let shown = |e: Expr| Some(system.pool.text(e)).filter(|text| text.chars().count() <= SHOWN);
     let text = shown(part.expression)?;
-    let remedy = "keep the motion where it has one, or write the equation so that it holds beyond";
+    let remedy = "keep the motion in its domain, or write the equation so that it is defined beyond it";
     Some(match part.why {
         Undefined::Denominator(base) => format!(
-            "`{}` stands in a denominator and is 0; begin elsewhere, or write the equation so that it holds there",
+            "the denominator `{}` is 0; start elsewhere, or write the equation so that it is defined there",
             shown(base)?
         ),
         Undefined::Base(base) => {
@@ -77,8 +77,8 @@ fn clause(system: &System, part: UndefinedPart) -> Option<String> {
             format!("`{text}` has no value where `{}` is 0 or below; {remedy}", shown(argument)?)
         }
         Undefined::Arc(argument) => {
-            format!("`{text}` has no value where `{}` is beyond -1 to 1; {remedy}", shown(argument)?)
+            format!("`{text}` has no value where `{}` is outside -1 to 1; {remedy}", shown(argument)?)
         }
-        Undefined::Overflow => format!("`{text}` grows beyond all numbers"),
+        Undefined::Overflow => format!("`{text}` overflows"),
     })
 }

@@ -15,7 +15,7 @@ pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> Stri
         system.name,
         readable(trajectory.end() - trajectory.start()),
         counted(run.simulation.statistics.steps, "step", "steps"),
-        counted(trajectory.mode_changes().len(), "change of mode", "changes of mode")
+        counted(trajectory.mode_changes().len(), "mode change", "mode changes")
     )];
     let at_zero = given.held_at_zero.iter();
     lines.extend(at_zero.map(|name| format!("  the input `{name}` is not driven: it is zero")));
@@ -44,8 +44,8 @@ fn singular(system: &System, run: &ScenarioRun) -> Vec<String> {
     let rows = run.states.iter().map(Vec::as_slice).zip(run.inputs.iter().map(Vec::as_slice));
     let sentence = |near: ClosestApproach| {
         format!(
-            "the direction of ({}) is taken where its length is {} (t = {} s); it is smooth but where the length is 0, and \
-             friction only if written unit(…)",
+            "the direction of ({}) is used where its length is {} (t = {} s); it is smooth except at length 0; write \
+             unit(…) for friction",
             near.name,
             readable(near.length),
             readable(run.times[near.row])

@@ -23,26 +23,24 @@ pub(super) fn method(method: SteerMethod) -> &'static str {
 pub(super) fn reason(reason: &SteerReason) -> String {
     match reason {
         SteerReason::Drift => "the model has drift: it does not rest without inputs".to_owned(),
-        SteerReason::NotAffine => {
-            "the equations are not affine in the inputs; `bracketry affinize` may make them so".to_owned()
-        }
+        SteerReason::NotAffine => "the equations are not affine in the inputs; try `bracketry affinize`".to_owned(),
         SteerReason::Switches => "the equations switch (dry friction, absolute values)".to_owned(),
         SteerReason::Delays => {
-            "inputs act with a delay: steer the model without it, and command the inputs earlier".to_owned()
+            "inputs act with a delay: steer the model without it, and apply the inputs earlier".to_owned()
         }
         SteerReason::NoChainedForm(why) => match why {
             NoChainedForm::Inputs { independent } => {
-                format!("the chained form is one of two independent inputs, and there are {independent}")
+                format!("the chained form has two independent inputs: the model has {independent}")
             }
             NoChainedForm::Drift => "the model has drift".to_owned(),
             NoChainedForm::DerivedFlag { dimensions } => {
                 let list: Vec<String> = dimensions.iter().map(ToString::to_string).collect();
                 format!("there is no chained form: the derived flag has dimensions {}, not 2, 3, …, n", list.join(", "))
             }
-            NoChainedForm::NotFound => "there is a chained form, but none was found in closed form".to_owned(),
+            NoChainedForm::NotFound => "a chained form exists, but none was found in closed form".to_owned(),
         },
         SteerReason::Singular => {
-            "no path between the states was found on which the coordinates stay regular; try other states between them"
+            "no path between the states was found along which the coordinates stay regular; try intermediate states"
                 .to_owned()
         }
         SteerReason::Brackets { dimension, states, degree } => {
@@ -52,11 +50,11 @@ pub(super) fn reason(reason: &SteerReason) -> String {
             "no flat outputs were found; name candidates under [outputs] of the model".to_owned()
         }
         SteerReason::OneSided { input } => {
-            format!("{input} would have to take values of a sign that its range excludes")
+            format!("{input} would need a sign that its range excludes")
         }
         SteerReason::Ranges => "inputs leave their ranges; a longer --duration may help".to_owned(),
         SteerReason::EndError { error } if error.is_finite() => {
-            format!("the best motion ends {} away; it may serve as first guess, or try --duration", readable(*error))
+            format!("the best motion ends {} away; use it as a first guess, or try --duration", readable(*error))
         }
         SteerReason::EndError { .. } => "no motion was found that can be simulated to its end".to_owned(),
         SteerReason::Undecided(why) => why.to_string(),
@@ -68,10 +66,7 @@ pub(super) fn reason(reason: &SteerReason) -> String {
 pub(super) fn note(n: &SteerNote) -> String {
     match n {
         SteerNote::Longer { asked } => {
-            format!(
-                "it takes longer than the {} s asked for, so that the inputs stay within their ranges",
-                readable(*asked)
-            )
+            format!("it takes longer than the requested {} s to keep the inputs within their ranges", readable(*asked))
         }
         SteerNote::OutOfRange { input } => format!("{input} leaves its range; a longer --duration may help"),
     }
@@ -92,16 +87,16 @@ fn plan_lines(s: &Steering, plan: &Plan) -> Vec<String> {
                 let list: Vec<String> = leg.iter().enumerate().map(|(i, z)| format!("z{} = {z}", i + 1)).collect();
                 lines.push(format!("{heading}{}", list.join(", ")));
                 if let Some(x) = way_points.get(k) {
-                    lines.push(format!("  by way of {}", state(&names, x)));
+                    lines.push(format!("  via {}", state(&names, x)));
                 }
             }
             lines
         }
         Plan::Nilpotent { degree, is_nilpotent, rounds, pieces } => {
             let exact = if *is_nilpotent {
-                "all longer ones vanish, so that one round is exact"
+                "all longer ones vanish, so one round is exact"
             } else {
-                "longer ones do not vanish, so that rounds come closer each time"
+                "longer ones do not vanish, so each round comes closer"
             };
             vec![format!("  brackets up to length {degree}: {exact}; rounds: {rounds}, constant pieces: {pieces}")]
         }
@@ -115,7 +110,7 @@ fn plan_lines(s: &Steering, plan: &Plan) -> Vec<String> {
             )]
         }
         Plan::Shooting { harmonics, starts } => {
-            vec![format!("  sinusoids per input: {harmonics}, starts: {starts}; no theorem says that this succeeds")]
+            vec![format!("  sinusoids per input: {harmonics}, starts: {starts}; success is not guaranteed")]
         }
     }
 }
@@ -142,7 +137,7 @@ pub fn steering_text(s: &Steering) -> String {
         }
         let hold = match signals.hold {
             Hold::Previous => "constant between rows",
-            Hold::Linear => "straight lines between rows",
+            Hold::Linear => "linear between rows",
         };
         let rows = signals.times.len();
         lines.push(format!("inputs over {} s, {rows} rows, {hold}", readable(signals.duration())));

@@ -35,22 +35,24 @@ pub fn advice(advice: &Advice) -> String {
             };
             let (worst, percent) = (attenuation.worst, 100.0 * attenuation.error);
             format!(
-                "{estimator}: the noise of {noise} makes {too_small} too small, by a factor of {worst:.3} in the worst direction and {percent:.1} % in all{ending}"
+                "{estimator}: the noise of {noise} makes {too_small} too small, by a factor of {worst:.3} in the \
+                 worst direction and {percent:.1} % overall{ending}"
             )
         }
         Advice::NotPositiveDefinite(estimator) => {
-            format!("{estimator}: not positive definite, some load would be answered by a push back")
+            format!("{estimator}: not positive definite: the structure would move against some loads")
         }
         Advice::NotSymmetric(estimator) => {
-            format!("{estimator}: not symmetric, more than noise explains: a circle of loads would gain energy")
+            format!("{estimator}: not symmetric beyond noise: a closed cycle of loads would gain energy")
         }
         Advice::NotIdentified(why) => format!("{}: {why}", Method::JointSprings),
         Advice::Misfit { residual } => format!(
-            "{}: residuals of {residual:.1} σ, the model misses something or the noise is larger",
+            "{}: residuals of {residual:.1} σ, the model misses an effect or the noise is larger than stated",
             Method::JointSprings
         ),
         Advice::NoiseOverstated { residual } => format!(
-            "the residuals are {residual:.2} of the stated noise: the measurements are better than that, and the intervals wider than need be"
+            "the residuals are {residual:.2} of the stated noise: the measurements are better than stated, and the \
+             intervals are wider than necessary"
         ),
     }
 }
@@ -59,15 +61,16 @@ pub fn advice(advice: &Advice) -> String {
 pub fn withheld(why: &Withheld) -> String {
     match why {
         Withheld::OtherMethod { method, residual } => format!(
-            "{method} predicts better than the springs of the joints, which leave {residual:.1} σ: something else yields too"
+            "{method} predicts better than the joint springs, whose residual is {residual:.1} σ: another part is \
+             compliant too"
         ),
         Withheld::LostMotion { share } => format!(
-            "lost motion in joints explains {:.0} % of what they leave: start from it, as told below",
+            "lost motion in joints explains {:.0} % of their residual: include it in the fit, as described below",
             100.0 * share
         ),
         Withheld::Misfit { residual } => format!(
-            "they leave {residual:.1} σ of noise: give a joint `gap` and `engaged` or `cubic` to start from, or raise [noise] if the \
-             measurements are that noisy"
+            "their residual is {residual:.1} σ: give a joint `gap` and `engaged`, or `cubic`, as start values, or \
+             raise [noise] if the measurements are that noisy"
         ),
     }
 }
@@ -75,10 +78,10 @@ pub fn withheld(why: &Withheld) -> String {
 /// What was wrong with the input of a compensation.
 pub fn fault(fault: Fault) -> String {
     match fault {
-        Fault::Count => "not one coordinate for each joint".to_owned(),
+        Fault::Count => "the number of coordinates is not that of the joints".to_owned(),
         Fault::Reading(i) => format!("no reading of {}", WRENCH_COLUMNS[i]),
         Fault::Range => {
-            "the reading lies beyond the sensor's range: overload, or other units (mN for N, N·mm for N·m)".to_owned()
+            "the reading exceeds the sensor's range: overload, or wrong units (mN for N, N·mm for N·m)".to_owned()
         }
         Fault::Measured(i) => format!("no measured q{}", i + 1),
         Fault::Reference(i) => format!("no reference of joint {}", i + 1),
@@ -340,7 +343,7 @@ pub fn compensated_log(run: &CompensatedLog) -> String {
         writeln!(out, "largest correction of each joint [mrad, mm]: {}", corrections.join(", "))?;
         if run.limited > 0 {
             let samples = samples(run.limited);
-            writeln!(out, "limits reached at {samples}: raise correction_limit or rate_limit if this is wanted")?;
+            writeln!(out, "limits reached at {samples}: raise correction_limit or rate_limit if this is intended")?;
         }
         for count in &run.faults {
             writeln!(out, "held at {}: {}", samples(count.samples), fault(count.fault))?;

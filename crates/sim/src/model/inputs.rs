@@ -7,7 +7,7 @@ use bracketry_system::{Document, FileError, Table};
 /// How a sampled signal continues between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Hold {
-    /// Each value lasts until the next sample (zero-order hold).
+    /// Each value is held until the next sample (zero-order hold).
     #[default]
     Previous,
     /// Straight lines between samples.
@@ -25,7 +25,7 @@ impl Hold {
             (Some("linear"), _) => Ok(Hold::Linear),
             (Some(other), Some(at)) if other != "previous" => {
                 let remedy = "write hold = \"previous\" or hold = \"linear\"";
-                Err(doc.error(at.span(), format!("`{other}` is no way to hold samples"), remedy))
+                Err(doc.error(at.span(), format!("`{other}` is not a hold of samples"), remedy))
             }
             _ => Ok(Hold::Previous),
         }
@@ -311,7 +311,7 @@ pub enum InputError {
     #[error("the model is discrete in time: it is iterated, not integrated")]
     DiscreteTime,
     /// An input that the model uses, of which only derivatives are given.
-    #[error("the model uses `{input}` itself, of which only derivatives are given: add a column {input}")]
+    #[error("the model uses `{input}` itself, but only its derivatives are given: add a column {input}")]
     OnlyDerivatives {
         /// The input.
         input: String,

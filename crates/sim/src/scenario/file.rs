@@ -53,8 +53,7 @@ impl Scenario {
         for (key, value) in [("duration", Some(end)), ("sample", sample)] {
             let (Some(period), Some(value), Some(at)) = (system.period, value, table.get(key)) else { continue };
             if !is_multiple(value, period) {
-                let message =
-                    format!("`{key}` is no multiple of the period {period} s of the model, which is discrete in time");
+                let message = format!("`{key}` is not a multiple of the model's period {period} s (discrete time)");
                 let steps = (value / period).round().max(1.0);
                 return Err(doc.error(at.span(), message, format!("write {key} = {}, for example", steps * period)));
             }

@@ -47,7 +47,7 @@ impl fmt::Display for Unloaded {
                 let terms: Vec<String> = terms.map(|(i, v)| format!("{v:+.2} {}", WRENCH_ENTRIES[i])).collect();
                 write!(f, "no combination {} (in units of their noise)", terms.join(" "))
             }
-            Self::Unknown => f.write_str("what the loads move is as small as the noise in some direction"),
+            Self::Unknown => f.write_str("in some direction, the displacements under load are within the noise"),
         }
     }
 }
@@ -159,7 +159,7 @@ pub enum IdentificationError {
     },
     /// A part of the displacements that was not measured.
     #[error(
-        "all {what} are exactly 0, which no measurement is: give the measured values; if they were not \
+        "all {what} are exactly 0, which is not plausible for measurements: give the measured values; if they were not \
          measured, set their noise to {least} or more"
     )]
     Zero {
@@ -205,14 +205,15 @@ pub enum IdentificationError {
         by: f64,
     },
     /// Loads that leave out a direction.
-    #[error("the loads do not tell the stiffness: {}; add loads in these directions, larger than the sensor's noise, or check the units", joined(.directions))]
+    #[error("the loads do not determine the stiffness: {}; add loads in these directions, larger than the sensor's \
+             noise, or check the units", joined(.directions))]
     NotLoaded {
         /// What was never loaded.
         directions: Vec<Unloaded>,
     },
     /// More outliers than an error of measurement explains.
     #[error(
-        "{found} of {of} measurements contradict the rest; this is no matter of outliers: check the model, the units and \
+        "{found} of {of} measurements contradict the rest; these are not outliers: check the model, the units and \
          the noise"
     )]
     TooManyOutliers {
@@ -242,7 +243,8 @@ pub enum IdentificationError {
     },
     /// The fit did not settle.
     #[error(
-        "the fit did not settle in {iterations} iterations; start closer or remove parameters that the data do not tell"
+        "the fit did not converge in {iterations} iterations; start closer or remove parameters that the data do not \
+         determine"
     )]
     NotConverged {
         /// Iterations made.

@@ -44,7 +44,7 @@ impl fmt::Display for Unidentified {
             Self::Confounded(others) => {
                 let named: Vec<String> =
                     others.iter().map(|(joint, name)| format!("the {name} of joint {joint}")).collect();
-                write!(f, "these poses and loads do not tell it from {}", named.join(" and "))
+                write!(f, "these poses and loads do not separate it from {}", named.join(" and "))
             }
         }
     }

@@ -23,7 +23,7 @@ pub enum UrdfError {
         known: String,
     },
     /// Several ends to choose from.
-    #[error("the {what} is not clear; choose one of: {choices}")]
+    #[error("the {what} is ambiguous; choose one of: {choices}")]
     Choose {
         /// Base or tip.
         what: &'static str,

@@ -72,7 +72,7 @@ impl DescribedJoint {
             "continuous" => JointType::Continuous,
             "prismatic" => JointType::Prismatic,
             "floating" | "planar" | "spherical" => JointType::SeveralDegrees,
-            other => return Err(at(joint, &format!("`{other}` is no type of a joint"))),
+            other => return Err(at(joint, &format!("`{other}` is not a joint type"))),
         };
         Ok(Self {
             name: attribute(joint, "name")?,

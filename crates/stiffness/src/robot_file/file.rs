@@ -175,7 +175,7 @@ fn from_urdf(document: &Document, table: &Table<'_>, joints: &[&Table<'_>], fold
         ));
     }
     for joint in joints {
-        only_keys(document, joint, &URDF_KEYS, "[[joint]] beside a URDF description")?;
+        only_keys(document, joint, &URDF_KEYS, "[[joint]] with a URDF description")?;
     }
     let name = document.string(table, "urdf")?.unwrap_or_default();
     let described = read(&folder.join(&name))?;

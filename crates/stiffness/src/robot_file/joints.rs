@@ -28,7 +28,7 @@ pub(super) fn only_keys(document: &Document, table: &Table<'_>, known: &[&str], 
     let unknown = table.keys().find(|key| !known.contains(&key.get_ref().as_ref()));
     unknown.map_or(Ok(()), |key| {
         let message = format!("unknown key `{}` in {what}", key.get_ref());
-        Err(document.error(key.span(), message, format!("{what} knows: {}", known.join(", "))))
+        Err(document.error(key.span(), message, format!("{what} accepts: {}", known.join(", "))))
     })
 }
 
@@ -126,7 +126,7 @@ pub(super) fn spring(document: &Document, joint: &Table<'_>) -> Result<Option<Jo
         (None, Some(_), None) => Err(document.error(
             place("gap"),
             "`gap` without `engaged`",
-            "give the torque (N·m) from which on the flanks are engaged",
+            "give the torque (N·m) at which the flanks are engaged",
         )),
         (None, None, Some(_)) => {
             Err(document.error(place("engaged"), "`engaged` without `gap`", "give the lost motion `gap` in rad"))

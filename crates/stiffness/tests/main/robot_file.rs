@@ -164,7 +164,7 @@ fn urdf_joints_that_slide_slide_and_others_are_refused() {
         ("type=\"revolute\"><axis xyz=\"0 0 1\"", "not a URDF"),
         ("type=\"revolute\"><axis xyz=\"0 1\"/>", "`xyz` of <axis> is not three numbers, at 1:"),
         ("type=\"revolute\"><origin rpy=\"0 0 up\"/>", "`rpy` of <origin> is not three numbers"),
-        ("type=\"spiral\">", "`spiral` is no type of a joint"),
+        ("type=\"spiral\">", "`spiral` is not a joint type"),
         (">", "<joint> without `type`"),
     ] {
         let message = with(joint).unwrap_err().to_string();
@@ -188,7 +188,7 @@ fn a_file_with_a_urdf_description_takes_it_from_beside_itself() {
     assert!(message.contains("5 [[joint]] entries for 6 joints") && message.contains("A1, A2"), "{message}");
     std::fs::write(&file, "urdf = \"kr125.urdf\"\n").unwrap();
     let message = RobotFile::read(&file).unwrap_err().to_string();
-    assert!(message.contains("robot.toml:1:8: kr125.urdf: the tip link is not clear"), "{message}");
+    assert!(message.contains("robot.toml:1:8: kr125.urdf: the tip link is ambiguous"), "{message}");
     std::fs::remove_file(folder.join("kr125.urdf")).unwrap();
     let message = RobotFile::read(&file).unwrap_err().to_string();
     assert!(message.contains("kr125.urdf: cannot be read"), "{message}");

@@ -215,7 +215,7 @@ fn the_plate_keeps_its_chain_and_lists_what_else_was_tried() {
     assert_eq!(others[0], (Method::InputChange, true, 2));
     assert!(others[1..].iter().all(|o| *o == (Method::CoordinateChange, false, 0)), "{others:?}");
     let why: Vec<String> = a.candidates.iter().filter(|c| !c.is_accepted()).map(|c| c.why.to_string()).collect();
-    assert!(why.iter().any(|w| w.contains("z_vx = der(X) + vx") && w.contains("still take 4 integrators")), "{why:?}");
+    assert!(why.iter().any(|w| w.contains("z_vx = der(X) + vx") && w.contains("still need 4 integrators")), "{why:?}");
     assert!(why.iter().any(|w| w.contains("jumps with the sign")), "{why:?}");
 }
 

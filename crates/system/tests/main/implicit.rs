@@ -144,7 +144,7 @@ fn what_cannot_be_solved_is_refused_with_its_place() {
     let mass = refusal("states = ['x', 'y']\nmass = [[1, 0], [0, 0]]\ndynamics = { x = 'y', y = 'x - y' }");
     assert!(mass.contains("singular") && mass.contains("m.toml:2:17") && mass.contains("[algebraic]"), "{mass}");
     let short = refusal("states = ['x', 'y']\nmass = [[1, 0]]\ndynamics = { x = 'y', y = 'x - y' }");
-    assert!(short.contains("no list of 2 rows"), "{short}");
+    assert!(short.contains("must be a list of 2 rows"), "{short}");
     let unknown =
         refusal("states = ['x', 'y']\nmass = { states = ['z'], matrix = [[1]] }\ndynamics = { x = 'y', y = 'x' }");
     assert!(unknown.contains("`z` is not a state"), "{unknown}");

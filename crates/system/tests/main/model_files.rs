@@ -313,7 +313,7 @@ fn parameters_are_exact_constants() {
     assert!(again.pool.zero_test(difference, &Bindings::new()).is_zero(), "{written}");
     for (text, part) in [
         ("'1/0'", "must be a number"),
-        ("'sqrt(-2)'", "no finite real number"),
+        ("'sqrt(-2)'", "not a finite real number"),
         ("{ value = 'sqrt(2)', unit = 'm' }", "irrational"),
     ] {
         let text = format!("states = ['x']\n[parameters]\na = {text}\n[dynamics]\nx = 'a'");

@@ -175,9 +175,9 @@ pub(super) type Refusal = (&'static str, String);
 impl Request {
     /// Reads a line. A message without a type is a measurement.
     pub(super) fn read(line: &str) -> Result<Self, Refusal> {
-        let value = read_json(line).map_err(|e| ("json", format!("no JSON object in one line: {e}")))?;
+        let value = read_json(line).map_err(|e| ("json", format!("not a JSON object on one line: {e}")))?;
         let Value::Object(mut fields) = value else {
-            return Err(("json", "a message is an object, such as {\"y\": [0, 0]}".to_owned()));
+            return Err(("json", "a message must be an object, such as {\"y\": [0, 0]}".to_owned()));
         };
         let kind = match fields.remove("type") {
             None => "measure".to_owned(),
@@ -195,7 +195,7 @@ impl Request {
             "end" => body(&kind, fields).map(|_: Nothing| Self::End)?,
             _ => {
                 let known = "hello, measure, set, predict, reset, heartbeat, end";
-                return Err(("message", format!("there is no message of type `{kind}`: known are {known}")));
+                return Err(("message", format!("there is no message of type `{kind}`: the types are {known}")));
             }
         })
     }

@@ -53,9 +53,9 @@ impl fmt::Display for Ended {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let why = match self.reason {
             "end" => "the peer ended the session",
-            "closed" => "the peer closed its end without a message of type \"end\"",
-            "timeout" => "the peer sent nothing for as long as --timeout allows",
-            _ => "the peer does not read what it is sent",
+            "closed" => "the peer closed the connection without a message of type \"end\"",
+            "timeout" => "the peer sent nothing within the time of --timeout",
+            _ => "the peer does not read its messages",
         };
         let c = &self.counts;
         write!(

@@ -232,7 +232,7 @@ fn in_order(numbers: &Numbers, names: &[String], what: &str) -> Result<Vec<f64>,
         }
         Numbers::ByName(map) => {
             if let Some(name) = map.keys().find(|k| !names.contains(k)) {
-                return Err(("name", format!("there is no {what} `{name}`: known are {}", names.join(", "))));
+                return Err(("name", format!("there is no {what} `{name}`: the names are {}", names.join(", "))));
             }
             Ok(names.iter().map(|n| map.get(n).map_or(f64::NAN, number)).collect())
         }

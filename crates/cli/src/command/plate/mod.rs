@@ -92,7 +92,7 @@ pub(crate) struct PlateArgs {
     /// Where the amplitude changes: world (the plate jumps, the object keeps its place in the inertial frame) or smooth [default: world]
     #[arg(long)]
     jumps: Option<String>,
-    /// Seconds between the rows of the result [default: 0.002]
+    /// Interval between the rows of the result in seconds [default: 0.002]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sample: Option<f64>,
     /// Compare with a log: CSV with columns t, x_plate, y_plate, phi_plate (SI, radians)
@@ -165,19 +165,19 @@ pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outco
     let scenario = args.scenario()?;
     let log = args.compare.as_deref().map(PlateLog::read).transpose()?;
     if args.motion == MotionArg::Log && log.is_none() {
-        anyhow::bail!("--motion log: there is no log; name one with --compare LOG.csv");
+        anyhow::bail!("--motion log: no log is given; add --compare LOG.csv");
     }
     if args.noise.is_some() && log.is_none() {
-        anyhow::bail!("--noise: there is no log; name one with --compare LOG.csv");
+        anyhow::bail!("--noise: no log is given; add --compare LOG.csv");
     }
     if args.gif && output.out.is_none() {
-        anyhow::bail!("--gif: there is no folder for the GIF; name one with --out DIR");
+        anyhow::bail!("--gif: no folder is given; add --out DIR");
     }
     let setup = args.options()?.or(scenario).setup(log.as_ref())?;
-    let progress = spinner("on the plate");
+    let progress = spinner("simulating the plate");
     let end = setup.end();
     let ran = PlateExperiment::new(setup, log, args.motion == MotionArg::Log, |t| {
-        progress.set_message(format!("on the plate, {t:.1} of {end:.1} s"));
+        progress.set_message(format!("simulating the plate, {t:.1} of {end:.1} s"));
         ControlFlow::Continue(())
     })?;
     progress.finish_and_clear();

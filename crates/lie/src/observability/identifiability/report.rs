@@ -103,7 +103,7 @@ pub enum IdentifiabilityError {
     #[error("the model has no outputs that could identify anything: add a table [outputs]")]
     NoOutputs,
     /// No parameters and no states.
-    #[error("`{name}` is no {kind} of the model{remedy}")]
+    #[error("the model has no {kind} `{name}`{remedy}")]
     Unknown {
         /// The name.
         name: String,
