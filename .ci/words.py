@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds code and documents to American spelling and to the terms of docs/glossary.md: `python3 .ci/words.py`.
+"""Holds code and documents to American spelling, the terms of docs/glossary.md, and native turns of phrase: `python3 .ci/words.py`.
 
 Prints each place with the word to use and ends with 1 if there is one. Keys of files, JSON, and Python that keep an older spelling are exempt.
 """
@@ -25,7 +25,16 @@ TERMS = {
     "leaves over": "residual, leaves", "leave over": "residual, leave", "stands out of": "is significant",
     "stand out of": "be significant", "fn carry(": "propagate or transfer", "fn again(": "refit",
 }
-WORDS = SPELLING | TERMS
+# Turns that read as translated, with what a native writer says.
+TURNS = {
+    "exactly if": "if and only if", "just if": "if and only if", "does not name is 0": "unnamed states are 0",
+    "of no importance": "does not matter", "with their place (": "with line and column", "refused with their place": "rejected with line and column",
+    "is singular but where": "singular only where", "nothing is trusted": "not trusted but verified", "made up for": "compensated",
+    "number is believed": "is accepted", "prove something of": "certificates for", "program per sample settles": "one QP per sample suffices",
+    "violated by at most": "all kept, or largest violation", "none found: unknown": "none found (undecided)",
+    "believed in": "assumed", "brings the command along": "includes the command",
+}
+WORDS = SPELLING | TERMS | TURNS
 # Names of interfaces, which stay, and mistakes that a test makes on purpose.
 EXEMPT = re.compile(
     r'"centre(_deviation)?"|`centre`|centre = \[|`?centre_of_mass|"linearisation"|"linearise"|"analyse"|Mod(elling|elled), |fn carry\(&mut self, load'
