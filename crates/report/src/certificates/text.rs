@@ -102,7 +102,7 @@ fn conserved(c: &Conserved) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     match c.complete_to {
         Some(0) => {
-            lines.push("  conserved polynomials: too many coefficients even for degree 1 (undecided)".to_owned())
+            lines.push("  conserved polynomials: too many coefficients even for degree 1 (undecided)".to_owned());
         }
         Some(d) if c.polynomials.is_empty() => {
             lines.push(format!("  conserved polynomials: none of degree up to {d} (linear equations, exact)"));
