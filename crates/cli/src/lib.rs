@@ -1,4 +1,4 @@
-//! The command `bracketry`, as a library: for its program, for the Python package, which brings it along, and for tests.
+//! The command `bracketry`, as a library: for its program, for the Python package, which includes it, and for tests.
 
 mod command;
 pub mod demo;

@@ -32,9 +32,9 @@ pub struct Riccati {
 ///
 /// ```
 /// use bracketry_mpc::dare;
-/// use nalgebra::dmatrix;
-/// let one = dmatrix![1.0];
-/// let solution = dare(&one, &one, &one, &one, &dmatrix![0.0]).unwrap();
+/// use nalgebra::DMatrix;
+/// let (one, zero) = (DMatrix::identity(1, 1), DMatrix::zeros(1, 1));
+/// let solution = dare(&one, &one, &one, &one, &zero).unwrap();
 /// assert!((solution.cost_to_go[(0, 0)] - (1.0 + 5f64.sqrt()) / 2.0).abs() < 1e-14);
 /// ```
 ///

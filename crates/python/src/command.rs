@@ -1,4 +1,4 @@
-//! The command `bracketry`, which the wheel brings along.
+//! The command `bracketry`, which the wheel includes.
 
 use std::ffi::OsString;
 

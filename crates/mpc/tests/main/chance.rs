@@ -1,8 +1,7 @@
 //! Bounds that hold with a probability: their margins are those of the linear system, and the loop violates them about as often.
 
-use crate::common::{noise::Noise, reports::read};
+use crate::common::{dense, noise::Noise, reports::read};
 use bracketry_mpc::{ControlProblem, MarginFeedback, control, dare};
-use nalgebra::dmatrix;
 
 const LAG: &str = r#"
     states = ["x"]
@@ -45,7 +44,8 @@ fn margins_are_those_of_the_linear_system() {
         let variance: f64 = (0..k).map(|j| 0.04 * h * factor.powi(2 * j)).sum();
         QUANTILE * variance.sqrt()
     };
-    let gain = dare(&dmatrix![a], &dmatrix![b], &dmatrix![h], &dmatrix![0.3 * h], &dmatrix![0.0]).unwrap().gain[(0, 0)];
+    let gain =
+        dare(&dense([[a]]), &dense([[b]]), &dense([[h]]), &dense([[0.3 * h]]), &dense([[0.0]])).unwrap().gain[(0, 0)];
     for (stage, feedback, factor) in [
         // Without a cost of the input, there is no infinite horizon.
         ("(x - 1)^2", MarginFeedback::OpenLoop, a),

@@ -3,7 +3,9 @@
 use approx::assert_relative_eq;
 use bracketry_mpc::{ControlError, ControlProblem, Controlled, Dynamics, MpcError, SymbolicDynamics, control};
 use bracketry_system::{Accepted, System};
-use nalgebra::{DMatrix, dmatrix};
+use nalgebra::DMatrix;
+
+use crate::common::dense;
 use proptest::prelude::*;
 
 const ACCEPTED: Accepted = Accepted { discrete: false, algebraic: true };
@@ -111,11 +113,11 @@ proptest! {
         x0 in prop::collection::vec(-1.0f64..1.0, 2),
     ) {
         let identity = DMatrix::<f64>::identity(2, 2);
-        let m = dmatrix![e[0], e[1]; e[2], e[3]] + &identity * 3.0;
-        let a = dmatrix![e[4], e[5]; e[6], e[7]];
-        let b = dmatrix![e[8], e[9]; e[10], e[11]];
-        let c = dmatrix![e[12], e[13]; e[14], e[15]];
-        let d = dmatrix![e[16], e[17]; e[18], e[19]] + &identity * 3.0;
+        let m = dense([[e[0], e[1]], [e[2], e[3]]]) + &identity * 3.0;
+        let a = dense([[e[4], e[5]], [e[6], e[7]]]);
+        let b = dense([[e[8], e[9]], [e[10], e[11]]]);
+        let c = dense([[e[12], e[13]], [e[14], e[15]]]);
+        let d = dense([[e[16], e[17]], [e[18], e[19]]]) + &identity * 3.0;
         let sum = |row: usize, parts: &[(&DMatrix<f64>, [&str; 2])]| {
             let terms = parts.iter().flat_map(|(matrix, names)| (0..2).map(move |j| format!("({:?})*{}", matrix[(row, j)], names[j])));
             terms.collect::<Vec<_>>().join(" + ")

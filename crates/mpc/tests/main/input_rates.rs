@@ -1,8 +1,8 @@
 //! Costs and bounds of the rates of inputs: what they are, whatever the method and whatever stands between controller and plant.
 
-use crate::common::reports::read;
+use crate::common::{dense, reports::read};
 use bracketry_mpc::{InputSource, control, dare};
-use nalgebra::{DMatrix, DVector, dmatrix};
+use nalgebra::{DMatrix, DVector};
 
 const INTEGRATOR: &str = r#"
     states = ["x"]
@@ -65,11 +65,11 @@ fn a_cost_of_the_rate_is_that_of_the_riccati_equation_with_the_input_as_a_state(
     // State (x, p), p the input before: x⁺ = x + dt·u, p⁺ = u; cost dt·(x² + 0.05 (u − p)²/dt² + 0.01 u²).
     let dt: f64 = 0.1;
     let rate = 0.05 / dt;
-    let a = dmatrix![1.0, 0.0; 0.0, 0.0];
-    let b = dmatrix![dt; 1.0];
-    let q = dmatrix![dt, 0.0; 0.0, rate];
-    let r = dmatrix![rate + 0.01 * dt];
-    let s: DMatrix<f64> = dmatrix![0.0; -rate];
+    let a = dense([[1.0, 0.0], [0.0, 0.0]]);
+    let b = dense([[dt], [1.0]]);
+    let q = dense([[dt, 0.0], [0.0, rate]]);
+    let r = dense([[rate + 0.01 * dt]]);
+    let s: DMatrix<f64> = dense([[0.0], [-rate]]);
     let solution = dare(&a, &b, &q, &r, &s).unwrap();
     let mut z = DVector::from_vec(vec![2.0, 1.0]);
     let cost = (z.transpose() * &solution.cost_to_go * &z)[(0, 0)];

@@ -5,7 +5,9 @@ use bracketry_mpc::{
     CostFunction, CostKind, MpcError, Ocp, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, Trajectory, dare,
 };
 use bracketry_system::System;
-use nalgebra::{DMatrix, dmatrix};
+use nalgebra::DMatrix;
+
+use crate::common::dense;
 
 fn zeros(n: usize, m: usize) -> DMatrix<f64> {
     DMatrix::zeros(n, m)
@@ -13,11 +15,11 @@ fn zeros(n: usize, m: usize) -> DMatrix<f64> {
 
 #[test]
 fn the_solution_satisfies_the_equation_and_stabilizes() {
-    let a = dmatrix![1.1, 0.3, 0.0; -0.2, 0.9, 0.5; 0.0, 0.1, 1.2];
-    let b = dmatrix![0.0, 1.0; 0.5, 0.0; 1.0, 0.2];
-    let q = dmatrix![2.0, 0.3, 0.0; 0.3, 1.0, 0.1; 0.0, 0.1, 0.5];
-    let r = dmatrix![1.0, 0.2; 0.2, 0.4];
-    let s = dmatrix![0.1, 0.0; 0.0, 0.2; -0.1, 0.1];
+    let a = dense([[1.1, 0.3, 0.0], [-0.2, 0.9, 0.5], [0.0, 0.1, 1.2]]);
+    let b = dense([[0.0, 1.0], [0.5, 0.0], [1.0, 0.2]]);
+    let q = dense([[2.0, 0.3, 0.0], [0.3, 1.0, 0.1], [0.0, 0.1, 0.5]]);
+    let r = dense([[1.0, 0.2], [0.2, 0.4]]);
+    let s = dense([[0.1, 0.0], [0.0, 0.2], [-0.1, 0.1]]);
     let x = dare(&a, &b, &q, &r, &s).unwrap();
     let (p, k) = (&x.cost_to_go, &x.gain);
     let right = a.transpose() * p * &a - (a.transpose() * p * &b + &s) * k + &q;
@@ -30,25 +32,25 @@ fn the_solution_satisfies_the_equation_and_stabilizes() {
 #[test]
 fn a_singular_and_an_unstable_transition_matrix_are_served() {
     // A. J. Laub, IEEE Trans. Autom. Control 24 (1979), example 2.
-    let (a, b, q) = (dmatrix![0.0, 1.0; 0.0, 0.0], dmatrix![0.0; 1.0], dmatrix![1.0, 2.0; 2.0, 4.0]);
-    let x = dare(&a, &b, &q, &dmatrix![1.0], &zeros(2, 1)).unwrap();
-    assert_relative_eq!(x.cost_to_go, dmatrix![1.0, 2.0; 2.0, 2.0 + 5f64.sqrt()], epsilon = 1e-13);
+    let (a, b, q) = (dense([[0.0, 1.0], [0.0, 0.0]]), dense([[0.0], [1.0]]), dense([[1.0, 2.0], [2.0, 4.0]]));
+    let x = dare(&a, &b, &q, &dense([[1.0]]), &zeros(2, 1)).unwrap();
+    assert_relative_eq!(x.cost_to_go, dense([[1.0, 2.0], [2.0, 2.0 + 5f64.sqrt()]]), epsilon = 1e-13);
     // p = a²p/(1 + p) + 1 with a = 2 has the root p = 2 + √5.
-    let x = dare(&dmatrix![2.0], &dmatrix![1.0], &dmatrix![1.0], &dmatrix![1.0], &zeros(1, 1)).unwrap();
+    let x = dare(&dense([[2.0]]), &dense([[1.0]]), &dense([[1.0]]), &dense([[1.0]]), &zeros(1, 1)).unwrap();
     assert_relative_eq!(x.cost_to_go[(0, 0)], 2.0 + 5f64.sqrt(), max_relative = 1e-14);
 }
 
 #[test]
 fn what_has_no_solution_is_an_error_with_its_reason() {
-    let one = dmatrix![1.0];
+    let one = dense([[1.0]]);
     let solve =
-        |a: f64, b: f64, q: f64, r: f64| dare(&dmatrix![a], &dmatrix![b], &dmatrix![q], &dmatrix![r], &zeros(1, 1));
+        |a: f64, b: f64, q: f64, r: f64| dare(&dense([[a]]), &dense([[b]]), &dense([[q]]), &dense([[r]]), &zeros(1, 1));
     assert!(matches!(solve(1.5, 0.0, 1.0, 1.0), Err(MpcError::NotStabilizable)));
     assert!(matches!(solve(1.0, 0.0, 1.0, 1.0), Err(MpcError::NotStabilizable)));
     assert!(matches!(solve(1.0, 1.0, 0.0, 1.0), Err(MpcError::NotDetectable)));
     assert!(matches!(solve(1.0, 1.0, 1.0, 0.0), Err(MpcError::Value { .. })));
     assert!(matches!(solve(f64::NAN, 1.0, 1.0, 1.0), Err(MpcError::Value { .. })));
-    assert!(matches!(dare(&one, &dmatrix![1.0; 1.0], &one, &one, &one), Err(MpcError::Length { .. })));
+    assert!(matches!(dare(&one, &dense([[1.0], [1.0]]), &one, &one, &one), Err(MpcError::Length { .. })));
 }
 
 fn double_integrator(stage: &str, references: &[&str], steps: usize) -> (SymbolicDynamics, Ocp) {
@@ -69,7 +71,7 @@ fn a_short_horizon_with_the_terminal_cost_is_the_infinite_one() {
         let mut sqp = Sqp::new(Box::new(dynamics), ocp, SqpSettings::default()).unwrap();
         let s = sqp.solve(&x0, &Trajectory::constant(steps, &x0, &[0.0])).unwrap();
         assert_eq!(s.status, SolveStatus::Converged);
-        let x = dmatrix![x0[0]; x0[1]];
+        let x = dense([[x0[0]], [x0[1]]]);
         assert_relative_eq!(s.cost, (x.transpose() * &riccati.cost_to_go * &x)[0], max_relative = 1e-8);
         assert_relative_eq!(s.trajectory.u(0)[0], -(&riccati.gain * &x)[0], epsilon = 1e-6);
         s.cost
@@ -99,7 +101,7 @@ fn the_terminal_set_touches_its_first_bound() {
     let largest = (0..3600)
         .map(|i| {
             let angle = f64::from(i) * std::f64::consts::TAU / 3600.0;
-            let x = dmatrix![angle.cos(); angle.sin()];
+            let x = dense([[angle.cos()], [angle.sin()]]);
             let on_border = (level / (x.transpose() * &riccati.cost_to_go * &x)[0]).sqrt();
             (&riccati.gain * &x)[0] * on_border
         })

@@ -5,11 +5,17 @@ pub(crate) mod reports;
 
 use bracketry_sim::{ExactPlant, Settings};
 use bracketry_system::System;
+use nalgebra::DMatrix;
 use std::path::PathBuf;
 
 /// A file of the repository's models.
 pub(crate) fn model_path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../models").join(name)
+}
+
+/// A matrix by its rows. (The macros of nalgebra would build it, and all that stands on it, once more for the tests.)
+pub(crate) fn dense<const N: usize, const M: usize>(rows: [[f64; M]; N]) -> DMatrix<f64> {
+    DMatrix::from_fn(N, M, |i, j| rows[i][j])
 }
 
 /// Cart with an inverted pendulum, th = 0 up.
