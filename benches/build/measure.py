@@ -82,12 +82,17 @@ def wheel(target: pathlib.Path, rows: list[str], _: list[str]) -> None:
     """The Python package after the command."""
     if not (target / "release/bracketry").exists():
         release(target, [], [])
-    environment = ROOT / "target/python-environment/bin"
-    if not (environment / "maturin").exists():
+    rows += [wheel_after("it", target, ["--release"])]
+
+
+def wheel_after(what: str, target: pathlib.Path, options: list[str], **variables: str) -> str:
+    """The row of a wheel built where something else has been built."""
+    maturin = ROOT / "target/python-environment/bin/maturin"
+    if not maturin.exists():
         raise SystemExit("no maturin: run crates/python/ci.sh once")
-    elapsed, processor, text = run([str(environment / "maturin"), "build", "--release", "--locked", "--out", str(target / "wheels")], target)
+    elapsed, processor, text = run([str(maturin), "build", *options, "--locked", "--out", str(target / "wheels")], target, **variables)
     compiled = len(re.findall(r"^\s*Compiling ", text, re.M))
-    rows += [f"| wheel after it, {compiled} crates compiled | {elapsed:.0f} s | {processor:.0f} s |"]
+    return f"| wheel after {what}, {compiled} crates compiled | {elapsed:.0f} s | {processor:.0f} s |"
 
 
 def research(target: pathlib.Path, rows: list[str], _: list[str]) -> None:
@@ -112,6 +117,7 @@ def tests(target: pathlib.Path, rows: list[str], details: list[str]) -> None:
     elapsed, processor, text = run(["cargo", "test", "--workspace", "--locked"], target, **plain)
     passed = sum(int(n) for n in re.findall(r"test result: ok\. (\d+) passed", text))
     rows += [f"| running {passed} tests, {programs} programs | {elapsed:.0f} s | {processor:.0f} s |"]
+    rows += [wheel_after("them", target, ["--profile", "dev", "--features", "native"], **plain)]
 
 
 def warm(target: pathlib.Path, rows: list[str], _: list[str]) -> None:
