@@ -17,9 +17,9 @@ python3 -m venv "$clean"
 "$clean/bin/python" -m pip install --quiet --disable-pip-version-check dist/*.whl
 cd "$clean"   # away from the sources
 bin/bracketry --version
-bin/bracketry new ball >/dev/null
-bin/bracketry analyze ball.toml --json >command.json
-bin/python -m bracketry analyze ball.toml --json >module.json
+bin/bracketry new mass >/dev/null
+bin/bracketry analyze mass.toml --json >command.json
+bin/python -m bracketry analyze mass.toml --json >module.json
 bin/python - <<'PROGRAM'
 import json
 import subprocess
@@ -27,7 +27,7 @@ import subprocess
 import bracketry
 
 command, module = (json.load(open(name)) for name in ("command.json", "module.json"))
-library = bracketry.analyze(bracketry.System.from_file("ball.toml"))
+library = bracketry.analyze(bracketry.System.from_file("mass.toml"))
 dimensions = [report["modes"][0]["accessible_dimension"] for report in (command, module)]
 assert dimensions == [library.modes[0].accessible_dimension] * 2, (dimensions, library)
 missing = subprocess.run(["bin/bracketry", "analyze", "no_such_file.toml"], capture_output=True)
@@ -41,5 +41,5 @@ source=$(ls "$PWD"/dist/*.tar.gz)
 # From nothing: a folder with other builds would be taken as up to date.
 env -u CARGO_TARGET_DIR "$clean/bin/python" -m pip install --quiet --disable-pip-version-check "$source"
 cd "$clean"
-bin/bracketry analyze ball.toml >/dev/null
+bin/bracketry analyze mass.toml >/dev/null
 echo "installed from its source distribution: the command runs"

@@ -55,7 +55,9 @@ fn in_one_mode_a_disk_leaves_its_yaw_to_the_tilt_too() {
 #[test]
 fn the_summary_names_what_stays_and_why_switching_helps() {
     let summary = bracketry::report::analysis::summary(&analysis(&Shape::REFERENCE_ELLIPSE));
-    for part in ["x + X and vx + Xd", "dimension 8 of 10", "difference of two drifts", "10 of 10", "smoothed model"] {
+    for part in
+        ["x + X and vx + Xd", "dimension only 8, out of 10", "difference of two drifts", "10 of 10", "smoothed model"]
+    {
         assert!(summary.contains(part), "`{part}` in: {summary}");
     }
 }

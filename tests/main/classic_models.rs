@@ -201,7 +201,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: None,
         static_feedback: false,
         flat: None,
-        source: "flat with x, y, z and yaw (Mellinger and Kumar 2011), which the search does not find",
+        source: "flat with x, y, z, and yaw (Mellinger and Kumar 2011), which the search does not find",
     },
     Known {
         file: "reaction_wheel_pendulum",

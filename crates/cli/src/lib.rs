@@ -8,7 +8,7 @@ use std::ffi::OsString;
 use command::{Outcome, style};
 
 /// Runs the command with arguments as a shell passes them, the first of which is its name, and gives the exit code: 0 done, 1 ran
-/// but the answer is negative or was not reached, 2 bad input. It writes to the standard streams, and leaves nothing in their buffers.
+/// but the answer is negative or undecided, or the target was not reached, 2 bad input. It writes to the standard streams, and leaves nothing in their buffers.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match command::parse(arguments) {
         Ok(cli) => cli,

@@ -66,7 +66,7 @@ pub enum Error {
 
 /// Text that is no bracket of the generators.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is not a bracket: {problem} at character {column}")]
+#[error("`{text}` is not a bracket: at character {column}, {problem}")]
 pub struct WordError {
     /// The whole text.
     pub text: String,

@@ -51,7 +51,7 @@ impl Given {
         let mut scenario = match (&self.file, &self.text) {
             (Some(file), _) => Scenario::read(file, system)?,
             (None, Some(text)) => parsed(text, system)?,
-            (None, None) => return Err(Failure::new("give a duration, a scenario file or a table of inputs")),
+            (None, None) => return Err(Failure::new("give a duration, a scenario file, or a table of inputs")),
         };
         for (name, samples) in self.samples {
             scenario.inputs = match Columns::derivative_name(&name) {

@@ -85,7 +85,7 @@ impl fmt::Display for Text<'_> {
         let s = &report.solve_ms;
         writeln!(
             f,
-            "step time      {:.2} ms median, {:.2} ms 99 %, {:.2} ms longest; sampling period {} ms",
+            "step time      {:.2} ms median, {:.2} ms 99th percentile, {:.2} ms longest; sampling period {} ms",
             s.median,
             s.p99,
             s.max,
@@ -108,9 +108,9 @@ impl fmt::Display for Text<'_> {
             let ends = ends.into_iter().filter_map(|(end, word)| Some(format!("{word}{}", readable(end?))));
             writeln!(
                 f,
-                "input {:<8} kept {}, by the range of the model",
+                "input {:<8} kept {} by its range in the model",
                 r.input,
-                ends.collect::<Vec<_>>().join(", ")
+                ends.collect::<Vec<_>>().join(" and ")
             )?;
         }
         let width = report.x_final.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(8);
@@ -168,10 +168,10 @@ fn why(reason: &MethodReason) -> String {
         MethodReason::TerminalCost => "the run ends with the horizon, and the cost is terminal only".to_owned(),
         MethodReason::Free => "free values need a plan".to_owned(),
         MethodReason::Settled { change } => {
-            format!("one QP per sample suffices; more change the first plan by {}", percent(*change))
+            format!("one QP per sample suffices; further QPs change the first plan by {}", percent(*change))
         }
         MethodReason::NotSettled { change: Some(change) } => {
-            format!("one QP per sample does not suffice; more change the first plan by {}", percent(*change))
+            format!("one QP per sample does not suffice; further QPs change the first plan by {}", percent(*change))
         }
         MethodReason::NotSettled { change: None } => "one QP per sample gives no usable first plan".to_owned(),
         MethodReason::NotConverging => "one QP per sample does not suffice, and more do not converge".to_owned(),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Why a simulation ended early.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum StopReason {
-    /// A state, its derivative, a switching function or the end time is not a finite number.
+    /// A state, its derivative, a switching function, or the end time is not a finite number.
     NonFinite,
     /// The step became shorter than the resolution of time: the solution blows up, or is too stiff.
     StepTooSmall,
@@ -49,7 +49,7 @@ impl std::fmt::Display for StopReason {
         match self {
             Self::Departed { what } => write!(f, "{what}"),
             Self::NonFinite => {
-                write!(f, "a state, its derivative, a switching function or the end time is not a finite number")
+                write!(f, "a state, its derivative, a switching function, or the end time is not a finite number")
             }
             Self::StepTooSmall => write!(f, "the step became too small (blow-up or stiffness)"),
             Self::TooManyEvents { limit, window } => {

@@ -1,6 +1,6 @@
 //! Sinusoids that move the chain z1' = v1, z2' = v2, z3' = z2 v1, …, zn' = z(n−1) v1 from one point to another.
 //!
-//! All at once (Tilbury, Murray and Sastry 1995): z1 moves along a curve that is chosen first; the others then depend on v2 affinely,
+//! All at once (Tilbury, Murray, and Sastry 1995): z1 moves along a curve that is chosen first; the others then depend on v2 affinely,
 //! and the amplitudes of v2 solve a linear system.
 
 use std::f64::consts::PI;

@@ -10,11 +10,11 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SteerMethod {
-    /// Sinusoids in the chained form (Murray and Sastry 1993; Tilbury, Murray and Sastry 1995).
+    /// Sinusoids in the chained form (Murray and Sastry 1993; Tilbury, Murray, and Sastry 1995).
     Chained,
     /// Piecewise constant inputs by Philip Hall coordinates (Lafferriere and Sussmann 1991).
     Nilpotent,
-    /// Polynomials in flat outputs (Fliess, Lévine, Martin and Rouchon 1995).
+    /// Polynomials in flat outputs (Fliess, Lévine, Martin, and Rouchon 1995).
     Flat,
     /// Sinusoids whose amplitudes are found by Levenberg–Marquardt iterations on the end error.
     Shooting,
@@ -39,7 +39,7 @@ pub struct SteerOptions {
     pub tolerance: f64,
     /// Wall-clock time after which no further plan is tried.
     pub time_limit: Option<Duration>,
-    /// Seed of random way points and starts.
+    /// Seed of random waypoints and initial guesses.
     pub seed: u64,
     /// Once it is raised, the search ends.
     pub stop: StopFlag,
@@ -71,10 +71,10 @@ impl SteerOptions {
     /// [`SteerError::Point`] for a text that does not give a point.
     pub fn named(system: &mut System, from: Option<&str>, to: &str) -> Result<Self, SteerError> {
         let (start, from_inputs) = match from {
-            Some(text) => by_name(system, text, "from")?,
+            Some(text) => by_name(system, text, "the initial state")?,
             None => (system.point_values().map_or_else(|| vec![0.0; system.states.len()], |(x, _)| x), None),
         };
-        let (end, to_inputs) = by_name(system, to, "to")?;
+        let (end, to_inputs) = by_name(system, to, "the final state")?;
         Ok(SteerOptions { from_inputs, to_inputs, ..SteerOptions::between(&start, &end) })
     }
 }

@@ -333,7 +333,7 @@ impl<N: Names> Parser<'_, N> {
                 if is_call { self.call(&name) } else { self.name(&name) }
             }
             Token::End => self.fail("the expression ends too early", "an operand is missing here"),
-            _ => self.fail("an operand is missing", "put a number, a name or a parenthesis here"),
+            _ => self.fail("an operand is missing", "put a number, a name, or a parenthesis here"),
         }
     }
 
@@ -362,7 +362,7 @@ impl<N: Names> Parser<'_, N> {
             (_, Some(foreign)) if same.is_none() => foreign.into(),
             (_, Some(foreign)) => format!("did you mean `{}`? Otherwise: {foreign}", same.map_or("", String::as_str)),
             (Some(near), _) => format!("did you mean `{near}`?"),
-            (None, _) => "declare it as a state, an input, a parameter or a definition".into(),
+            (None, _) => "declare it as a state, an input, a parameter, or a definition".into(),
         };
         self.fail(format!("unknown name `{name}`"), remedy)
     }

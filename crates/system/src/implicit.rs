@@ -138,7 +138,7 @@ pub(crate) fn smooth_beside_algebraic(doc: &Document, table: &Table<'_>, system:
         return Err(doc.error(place("algebraic"), with("derivatives of inputs"), remedy));
     }
     if !system.with_algebraic_states().is_smooth() {
-        return Err(doc.error(place("algebraic"), with("`sign`, `abs`, `min`, `max` and `unit`"), remedy));
+        return Err(doc.error(place("algebraic"), with("`sign`, `abs`, `min`, `max`, and `unit`"), remedy));
     }
     Ok(())
 }

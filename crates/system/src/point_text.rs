@@ -78,7 +78,7 @@ pub fn point(system: &mut System, text: &str) -> Result<Point, PointError> {
         };
         *place = system.pool.parse_with(value, &mut Constants).map_err(|e| {
             let remedy = if e.message.starts_with("unknown name") {
-                "a point contains constants such as 0.3, pi/2 or sqrt(2)".to_owned()
+                "a point contains constants such as 0.3, pi/2, or sqrt(2)".to_owned()
             } else {
                 e.remedy.clone()
             };

@@ -269,10 +269,15 @@ impl fmt::Display for Reason {
             ),
             Reason::Integrators { causes, total, inputs } => write!(
                 f,
-                "{}; with {}, the inputs {} enter affinely, and fewer integrators alone do not suffice",
+                "{}; with {}, {} affinely{}",
                 causes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
                 counted(*total as usize, "integrator", "integrators"),
-                inputs.join(", ")
+                if let [input] = &inputs[..] {
+                    format!("the input {input} enters")
+                } else {
+                    format!("the inputs {} enter", inputs.join(", "))
+                },
+                if *total > 1 { ", and fewer integrators alone do not suffice" } else { "" }
             ),
             Reason::After { integrators, then } => {
                 write!(f, "with integrators in front of {}, {then}", integrators.join(", "))

@@ -47,7 +47,7 @@ impl Declared {
         if !well_formed {
             return Err(ModelError::new(
                 format!("`{name}` is not a name"),
-                "use letters, digits and _, not starting with a digit",
+                "use letters, digits, and _, not starting with a digit",
             ));
         }
         if RESERVED.contains(&name) {

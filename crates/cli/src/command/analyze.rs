@@ -26,13 +26,13 @@ pub(crate) const EXAMPLES: [(&str, &str); 7] = [
     ("Analyze a model", "bracketry analyze models/plate_published.toml"),
     ("At another point, as Markdown", "bracketry analyze models/cart_pole.toml --at th=pi --markdown"),
     ("Brackets written out", "bracketry analyze models/unicycle.toml --bracket \"[g1,g2]\""),
-    ("For which inertias do the verdicts change?", "bracketry analyze models/spacecraft.toml --parameters J1,J2,J3"),
+    ("Inertias for which the verdicts change", "bracketry analyze models/spacecraft.toml --parameters J1,J2,J3"),
     (
         "The same as a map over two parameters",
         "bracketry analyze models/cart_pole.toml --map l=0.1..1,m=0.05..1 --out out",
     ),
     (
-        "Which parameters are identifiable, locally and globally?",
+        "Local and global identifiability of the parameters",
         "bracketry analyze model.toml --identifiability --known-initial x1=0",
     ),
     ("Write report, affine model, and figures to a folder", "bracketry analyze models/cart_pole.toml --out out"),
@@ -60,7 +60,7 @@ pub(crate) struct AnalyzeArgs {
     /// Point for local statements instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
-    /// Bracket to print, such as "[g1,[f,g1]]": f is the drift, g1, g2 … or the names of the inputs their fields;
+    /// Bracket to print, such as "[g1,[f,g1]]"; f is the drift, and g1, g2, … or the names of the inputs are the input fields;
     /// may be repeated
     #[arg(long = "bracket", value_name = "BRACKET")]
     brackets: Vec<String>,
@@ -68,10 +68,10 @@ pub(crate) struct AnalyzeArgs {
     /// repeated
     #[arg(long, value_name = "EXPR")]
     determines: Vec<String>,
-    /// Stop after this many seconds; undecided results are unknown
+    /// Stop after this many seconds; what is undecided by then is reported as unknown
     #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = time_limit)]
     time_limit: Duration,
-    /// Parameters without fixed value, or "symbolic" for all: for which of their values do the verdicts change?
+    /// Parameters whose values are left open, or "symbolic" for all: at which of their values do the verdicts change?
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
     /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; the figure goes to --out
@@ -81,7 +81,7 @@ pub(crate) struct AnalyzeArgs {
     /// Local and global identifiability of parameters and initial states, and identifiable combinations
     #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map"])]
     identifiability: bool,
-    /// State whose initial value is known, as x or x=0, for --identifiability; may be repeated, or a list with commas
+    /// State whose initial value is known, as x or x=0, for --identifiability; comma-separated; may be repeated
     #[arg(long, value_name = "STATE[=VALUE],…", value_delimiter = ',', requires = "identifiability")]
     known_initial: Vec<String>,
     /// Input that is an unknown function of time, for --identifiability; may be repeated

@@ -55,7 +55,7 @@ pub(crate) struct CertifyArgs {
     /// Largest degree of the functions
     #[arg(long, default_value_t = 4, value_name = "2|4")]
     degree: u32,
-    /// Stop after this many seconds; undecided results are unknown
+    /// Stop after this many seconds; what is undecided by then is reported as unknown
     #[arg(long, default_value_t = 120.0, value_name = "S")]
     time_limit: f64,
     /// The two states of the figure, the first two by default

@@ -23,7 +23,7 @@ use super::{Outcome, OutputArgs};
 pub(crate) const EXAMPLES: [(&str, &str); 4] = [
     (
         "Inputs that are samples of a smooth signal, such as a measured force",
-        "bracketry diagnose ball.toml run.csv --hold linear --out out",
+        "bracketry diagnose mass.toml run.csv --hold linear --out out",
     ),
     (
         "Inputs held by a digital controller, and a held-out second run",
@@ -45,7 +45,7 @@ pub(crate) struct DiagnoseArgs {
     /// Model names of columns, such as force=u
     #[arg(long, value_name = "COLUMN=NAME,…", value_delimiter = ',', value_parser = renaming)]
     rename: Vec<(String, String)>,
-    /// Inputs between samples; held by default, with derivatives of inputs interpolated linearly
+    /// Inputs between samples [default: held; linear for derivatives of inputs]
     #[arg(long, value_enum)]
     hold: Option<HoldArg>,
     /// Held-out runs on which the gain is measured
@@ -133,7 +133,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
         print(&diagnosis.to_string())?;
         match &output.out {
             Some(dir) => line(&format!("written to {}", dir.display()))?,
-            None => line("(--out DIR writes the extended model, figures and a page with everything)")?,
+            None => line("(--out DIR writes the extended model, figures, and a page with everything)")?,
         }
     }
     Ok(outcome(&diagnosis.report))

@@ -154,18 +154,18 @@ impl FileKind {
     fn how(self) -> &'static str {
         match self {
             Self::Model => "`bracketry new NAME` writes a model file with a scenario and a problem",
-            Self::Problem => "a problem file names a model, [horizon] and [cost]; `bracketry new NAME` writes one",
+            Self::Problem => "a problem file names a model, [horizon], and [cost]; `bracketry new NAME` writes one",
             Self::Scenario => {
-                "a scenario file has `duration = 5.0`, [x0] and [inputs]; `bracketry new NAME` writes one"
+                "a scenario file has `duration = 5.0`, [x0], and [inputs]; `bracketry new NAME` writes one"
             }
             Self::Table | Self::OtherTable => {
                 "a table has a header with a column t and one column per input or output; `bracketry simulate --out DIR` writes one"
             }
             Self::Measurements => {
-                "such a table has columns q1 … qn, Fx, Fy, Fz, Mx, My, Mz and dx, dy, dz, rx, ry, rz, a row per measurement"
+                "such a table has columns q1 … qn, Fx, Fy, Fz, Mx, My, Mz, and dx, dy, dz, rx, ry, rz, with one row per measurement"
             }
             Self::Loads => "such a table has columns q1 … qn and Fx, Fy, Fz, Mx, My, Mz, a row per pose",
-            Self::RobotLog => "such a log has columns t, q1 … qn and Fx, Fy, Fz, Mx, My, Mz",
+            Self::RobotLog => "such a log has columns t, q1 … qn, and Fx, Fy, Fz, Mx, My, Mz",
             Self::Robot => "models/kr125.toml is a robot file",
             Self::PlateScenario => {
                 "a scenario of the plate has `experiment = 1` and the options of `bracketry plate` by name"

@@ -42,11 +42,11 @@ fn heading(name: &str) -> String {
 /// What exit codes mean, where nothing more is to be said.
 pub(crate) const EXIT_CODES: (&str, &str) = (
     "Exit codes",
-    "0  done\n1  ran, but the answer is negative or was not reached\n2  bad input; the message names the place and the remedy",
+    "0  done\n1  ran, but the answer is negative or undecided, or the target was not reached\n2  bad input; the message gives the location and the remedy",
 );
 
 /// What numbers are measured in.
 pub(crate) const UNITS: (&str, &str) = (
     "Units",
-    "Time is in seconds. Everything else is in the units of the model file, SI and radians in all that are shipped.",
+    "Time is in seconds. All other quantities are in the units of the model file (SI and radians in the models shipped).",
 );

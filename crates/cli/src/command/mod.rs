@@ -41,7 +41,7 @@ use stiffness::StiffnessCommand;
     after_help = examples(&FIRST_STEPS),
     after_long_help = guide(&FIRST_STEPS, &[EXIT_CODES, UNITS, (
         "Color",
-        "On terminals only; NO_COLOR=1 turns it off, CLICOLOR_FORCE=1 turns it on.",
+        "On terminals only; NO_COLOR=1 turns it off, and CLICOLOR_FORCE=1 turns it on.",
     )]),
 )]
 pub(crate) struct Cli {
@@ -53,11 +53,11 @@ pub(crate) struct Cli {
 
 const FIRST_STEPS: [(&str, &str); 6] = [
     ("Run the complete example, a vibrating plate", "bracketry demo"),
-    ("Start with your own model", "bracketry new ball"),
-    ("Analyze what its inputs reach", "bracketry analyze ball.toml"),
-    ("Simulate it", "bracketry simulate ball.toml --scenario ball_scenario.toml --out out"),
-    ("Close the loop", "bracketry control ball_problem.toml --out out"),
-    ("Diagnose it from measured data", "bracketry diagnose ball.toml run.csv --hold linear --out out"),
+    ("Start your own model", "bracketry new mass"),
+    ("Find what its inputs reach", "bracketry analyze mass.toml"),
+    ("Simulate it", "bracketry simulate mass.toml --scenario mass_scenario.toml --out out"),
+    ("Close the loop", "bracketry control mass_problem.toml --out out"),
+    ("Diagnose it from measured data", "bracketry diagnose mass.toml run.csv --hold linear --out out"),
 ];
 
 /// In the order in which they are used, which is that of the help.
@@ -66,18 +66,18 @@ enum Command {
     /// Complete example: the vibrating plate, from its published equations to a controller on the plant
     #[command(after_help = examples(&demo::EXAMPLES), after_long_help = guide(&demo::EXAMPLES, &[
         ("What it does",
-            "Analyzes the published model of a plate that moves an object without grasping it, closes a loop on its own\n\
-             equations and on a plant with contact over the whole footprint (a simulation), diagnoses the logs, and controls\n\
-             the plant with the extended model. Half a minute on two cores. Results are written to out/demo, or to --out,\n\
-             as each chapter ends; the folder is reserved for this command."),
-        ("Exit codes", "0  the extended model reaches the target, the published one does not\n\
+            "Analyzes the published model of a plate that moves an object without grasping it. Closes the loop twice with \
+             this model: on its own equations, and on a plant with contact over the whole footprint (a simulation). Diagnoses \
+             the logs, and controls the plant with the extended model. Takes half a minute on two cores. Results are written \
+             to out/demo, or to --out, as each chapter ends. The folder is reserved for this command."),
+        ("Exit codes", "0  the extended model reaches the target, and the published one does not\n\
              1  any other outcome; see the report\n2  bad input"),
     ]))]
     Demo(demo::DemoArgs),
     /// Write a commented model with a scenario and a problem
     #[command(after_help = examples(&new::EXAMPLES), after_long_help = guide(&new::EXAMPLES, &[EXIT_CODES]))]
     New(new::NewArgs),
-    /// Affine form, modes, ranks, brackets, and what no input influences
+    /// Affine form, ranks, brackets, local controllability, flatness, and observability
     #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
         "Exit codes",
         "0  every generic dimension, the requests of --at, --bracket, and --determines, and which states and \
@@ -99,7 +99,7 @@ enum Command {
         "Exit codes", "0  linearized\n1  the equations are not smooth at the point, or no operating point was found\n2  bad input",
     )]))]
     Linearize(operating_point::LinearizeArgs),
-    /// Lyapunov functions, regions of attraction, storage and conserved functions, proved in exact arithmetic
+    /// Lyapunov functions, regions of attraction, storage functions, and conserved quantities, proved in exact arithmetic
     #[command(after_help = examples(&certify::EXAMPLES), after_long_help = guide(&certify::EXAMPLES, &[(
         "Exit codes", "0  everything requested is proved\n1  something is not proved; the report says why\n2  bad input",
     )]))]
@@ -114,7 +114,7 @@ enum Command {
     Export(export::ExportArgs),
     /// Find inputs that move a model from one state to another
     #[command(after_help = examples(&steer::EXAMPLES), after_long_help = guide(&steer::EXAMPLES, &[
-        ("Exit codes", "0  the simulated motion ends within 1e-6 of every state, with inputs within their ranges\n\
+        ("Exit codes", "0  the simulated motion ends within 1e-6 of the target in every state, with inputs within their ranges\n\
          1  only a first guess, or nothing, was found; the report gives the reason\n2  bad input"),
         UNITS,
     ]))]
@@ -139,17 +139,17 @@ enum Command {
         UNITS,
     ]))]
     Diagnose(Box<diagnose::DiagnoseArgs>),
-    /// Run an experiment on the vibrating plate with a chosen model, optionally compared with a log
+    /// Run an experiment on the vibrating plate with a chosen model, and optionally compare it with a log
     #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
         ("Exit codes",
             "0  the target is reached\n\
-             1  it is not reached, the run ended early, or the comparison with a log is undecided: if chance decides \
-             a sign of the amplitude, only the time before counts\n2  bad input; the message names the place and the \
+             1  it is not reached, the run ended early, or the comparison with a log is undecided; if the noise \
+             decides a sign of the amplitude, only the time before that counts\n2  bad input; the message gives the location and the \
              remedy"),
         ("Units", "SI and radians; ω in units of π"),
     ]))]
     Plate(Box<plate::PlateArgs>),
-    /// Stiffness of a robot: identify it from measurements, compensate the deformation
+    /// Stiffness of a robot: identify it from measurements and compensate for the deformation
     #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
     Stiffness(StiffnessCommand),
     /// Print the script that completes commands and options in a shell

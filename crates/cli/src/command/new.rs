@@ -11,8 +11,8 @@ use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
-    ("Start with a mass on a spring", "bracketry new ball"),
-    ("Two tanks with delay, in a folder", "bracketry new plant --template tanks --out plant"),
+    ("Start with a mass on a spring", "bracketry new mass"),
+    ("Two tanks with a delay, in a folder", "bracketry new plant --template tanks --out plant"),
 ];
 
 /// Template for the files.
@@ -24,9 +24,9 @@ pub(crate) enum Template {
     Friction,
     /// A pendulum with a weak motor that has to swing it up
     Pendulum,
-    /// A vehicle that cannot move sideways: two inputs, no drift
+    /// A vehicle that cannot move sideways: two inputs, no drift term
     Vehicle,
-    /// Two tanks, a pump that only pushes, and a delay
+    /// Two tanks, a pump that cannot run backward, and a delay
     Tanks,
 }
 
@@ -66,7 +66,7 @@ impl Template {
 /// Arguments of `new`. The folder of --out is the current one if it is absent.
 #[derive(Args)]
 pub(crate) struct NewArgs {
-    /// Name of the model, and of its file; letters, digits, _ and -
+    /// Name of the model and of its file; letters, digits, _, and -
     name: String,
     /// Template for the files
     #[arg(long, value_enum, default_value = "spring")]
@@ -76,7 +76,7 @@ pub(crate) struct NewArgs {
 /// Stands for the name in templates.
 const NAME: &str = "@NAME@";
 
-/// Writes model, scenario and problem.
+/// Writes model, scenario, and problem.
 pub(crate) fn run(args: &NewArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let name = checked(&args.name)?;
     let dir = output.out.clone().unwrap_or_default();
@@ -128,7 +128,7 @@ fn checked(name: &str) -> anyhow::Result<&str> {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     anyhow::ensure!(
         !stem.is_empty() && !stem.starts_with('-') && stem.len() <= 100 && stem.chars().all(fits),
-        "`{name}` is not a valid model name\n   = use letters, digits, _ and -, as in ball_2; --out DIR names the folder"
+        "`{name}` is not a valid model name\n   = use letters, digits, _, and -, as in mass_2; --out DIR names the folder"
     );
     Ok(stem)
 }

@@ -31,7 +31,7 @@ pub(crate) const LINEARIZE_EXAMPLES: [(&str, &str); 2] = [
 /// What an operating point is asked for.
 #[derive(Args)]
 pub(crate) struct PointArgs {
-    /// Value of a state or input, such as th=pi/2; may be repeated, or a list with commas
+    /// Value of a state or input, such as th=pi/2; comma-separated; may be repeated
     #[arg(long = "fix", value_name = "NAME=VALUE,…")]
     fixed: Vec<String>,
     /// Input to search for; other inputs stay at the model's point; may be repeated

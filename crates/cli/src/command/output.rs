@@ -16,14 +16,14 @@ use super::style::warning;
 pub(crate) enum Outcome {
     /// Exit code 0.
     Done,
-    /// Ran, but the answer is negative or was not reached: exit code 1.
+    /// Ran, but the answer is negative or undecided, or the target was not reached: exit code 1.
     Negative,
 }
 
 /// Where results go.
 #[derive(Args, Clone)]
 pub(crate) struct OutputArgs {
-    /// Print one JSON object instead of the human report
+    /// Print one JSON object instead of the human-readable report
     #[arg(long, global = true, display_order = 1001)]
     pub(crate) json: bool,
     /// Folder for files and plots

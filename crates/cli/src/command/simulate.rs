@@ -26,13 +26,13 @@ pub(crate) enum HoldArg {
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
     (
-        "By a scenario, with trajectory, events and plots",
+        "With a scenario; writes trajectory, events, and plots",
         "bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out",
     ),
-    ("By recorded inputs", "bracketry simulate slider.toml --inputs run.csv --hold linear --out out"),
+    ("With recorded inputs", "bracketry simulate slider.toml --inputs run.csv --hold linear --out out"),
     (
         "With sensor noise, for diagnose",
-        "bracketry simulate ball.toml --scenario ball_scenario.toml --noise position=0.001 --seed 1 --out out",
+        "bracketry simulate mass.toml --scenario mass_scenario.toml --noise position=0.001 --seed 1 --out out",
     ),
 ];
 
@@ -113,7 +113,7 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
             let figure = if drawn { ", trajectory.svg, trajectory.png" } else { "" };
             line(&format!("written to {}: trajectory.csv, events.csv{figure}{measured}", dir.display()))?;
         } else {
-            line("(--out DIR writes trajectory, events and plots)")?;
+            line("(--out DIR writes trajectory, events, and plots)")?;
         }
     }
     Ok(if run.simulation.outcome.is_finished() { Outcome::Done } else { Outcome::Negative })

@@ -19,9 +19,9 @@ use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
-    ("A unicycle sideways", "bracketry steer models/unicycle.toml --from x=0,y=0 --to x=0,y=1 --out out"),
+    ("Move a unicycle sideways", "bracketry steer models/unicycle.toml --from x=0,y=0 --to x=0,y=1 --out out"),
     ("Replay the motion", "bracketry simulate models/unicycle.toml --scenario out/scenario.toml"),
-    ("By piecewise constant inputs", "bracketry steer models/rolling_disk.toml --to phi=1 --method nilpotent"),
+    ("With piecewise constant inputs", "bracketry steer models/rolling_disk.toml --to phi=1 --method nilpotent"),
 ];
 
 /// The method, or the first that reaches the end.
@@ -31,7 +31,7 @@ enum MethodArg {
     Auto,
     /// Sinusoids in the chained form: two inputs, no drift
     Chained,
-    /// Piecewise constant inputs by Philip Hall coordinates: no drift
+    /// Piecewise constant inputs from Philip Hall coordinates: no drift
     Nilpotent,
     /// Polynomials in flat outputs
     Flat,
@@ -45,13 +45,13 @@ pub(crate) struct SteerArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Initial state, such as x=0,th=pi/2; unnamed states are 0; without it, the model's point
+    /// Initial state, such as x=0,th=pi/2; unnamed states are 0 [default: the model's point]
     #[arg(long, value_name = "NAME=VALUE,…")]
     from: Option<String>,
     /// State at the end; unnamed states are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     to: String,
-    /// Duration of the motion in seconds; by default as long as the inputs need
+    /// Duration of the motion in seconds [default: long enough for the ranges of the inputs]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// How the inputs are found
@@ -60,7 +60,7 @@ pub(crate) struct SteerArgs {
     /// Try no further plan after this many seconds
     #[arg(long, value_name = "S", default_value_t = 120.0, allow_negative_numbers = true)]
     time_limit: f64,
-    /// Seed of random way points and starts
+    /// Seed of random waypoints and initial guesses
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 1, value_parser = seed)]
     seed: u64,
 }

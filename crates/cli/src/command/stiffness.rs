@@ -29,8 +29,8 @@ pub(crate) const EXAMPLES: [(&str, &str); 2] = [
 pub(crate) enum StiffnessCommand {
     /// Identify joint springs and tool-point stiffness from measured displacements under measured loads
     #[command(after_help = guide(
-        &[("Into a folder, with the robot file completed and figures", "bracketry stiffness identify data.csv models/kr125.toml --out out")],
-        &[("Table", "Columns q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes) and \
+        &[("Write the completed robot file and figures to a folder", "bracketry stiffness identify data.csv models/kr125.toml --out out")],
+        &[("Table", "Columns q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes), and \
             dx, dy, dz, rx, ry, rz (m, rad, base axes)."), EXIT_CODES],
     ))]
     Identify {
@@ -40,11 +40,11 @@ pub(crate) enum StiffnessCommand {
         #[arg(long)]
         keep_outliers: bool,
     },
-    /// Choose the most informative measurements for the springs from candidates
+    /// From candidates, choose the measurements that are most informative about the springs
     #[command(after_help = guide(
-        &[("Twenty of them", "bracketry stiffness poses candidates.csv models/kr125.toml --count 20 --out out")],
+        &[("Choose twenty", "bracketry stiffness poses candidates.csv models/kr125.toml --count 20 --out out")],
         &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes): \
-            poses that can be reached with loads that can be applied there."), EXIT_CODES],
+            poses that the robot can reach, with loads that can be applied there."), EXIT_CODES],
     ))]
     Poses {
         #[command(flatten)]
@@ -53,10 +53,10 @@ pub(crate) enum StiffnessCommand {
         #[arg(long, allow_negative_numbers = true, default_value_t = 20)]
         count: usize,
     },
-    /// Identify the payload on the force sensor, and its bias, from readings at rest
+    /// Identify the payload on the force sensor and the bias of the sensor from readings at rest
     #[command(after_help = guide(
         &[("From readings", "bracketry stiffness weigh readings.csv models/kr125.toml")],
-        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), with no contact at the payload, in three orientations or more that tilt it about two axes."), EXIT_CODES],
+        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor). The payload touches nothing. Three or more orientations are needed, tilted about two axes."), EXIT_CODES],
     ))]
     Weigh {
         #[command(flatten)]
@@ -68,7 +68,7 @@ pub(crate) enum StiffnessCommand {
             ("Along a log", "bracketry stiffness compensate log.csv models/kr125.toml --out out"),
             ("With a process stiffness of 50 N/mm", "bracketry stiffness compensate log.csv models/kr125.toml --process-stiffness 5e4"),
         ],
-        &[("Log", "Columns t, q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), and r1 … rn \
+        &[("Log", "Columns t, q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), and r1 … rn \
             where references differ from what was measured."), EXIT_CODES],
     ))]
     Compensate {

@@ -182,7 +182,7 @@ impl Story {
         let second = vec![
             figure(
                 "closed_loop",
-                "Object, plate and inputs over time; shaded where friction sticks or slides.",
+                "Object, plate, and inputs over time; shaded where friction sticks or slides.",
                 m.closed_loop().draw(),
             ),
             figure(

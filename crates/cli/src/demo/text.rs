@@ -14,8 +14,8 @@ use bracketry::report::RankChange;
 pub(super) const OPENING: &str = "\
 The published model is that of M. Momeni Kelageri, Training and Research Activities Report, First Year, XXIX Cycle,
 PhD in Information Technology and Electrical Engineering, Università degli Studi di Napoli Federico II, 2015, chapter 3.
-There is no plate in a laboratory here: the true plant is a simulation of contact over the whole footprint of the object,
-and the logs are recorded from it, with the noise of a camera.
+No physical plate was available: the true plant is a simulation of contact over the whole footprint of the object,
+and the logs are recorded from it, with simulated camera noise.
 ";
 pub(super) const FIRST: &str = "1. From the published equations to what the inputs reach\n";
 pub(super) const SECOND: &str = "2. Position and orientation together, on the published equations\n";
@@ -178,7 +178,7 @@ pub(super) fn of_ranks(ranks: Option<&RankChange>, extended: bool) -> String {
             let (before, after) = (&ranks.before, &ranks.after);
             format!(
                 "{ranks}\nAs long as no friction direction changes, the inputs of the published model reach a set of dimension {} of {}\n\
-                 at each time, those of the extended model one of dimension {} of {}.\n",
+                 at each time, and those of the extended model reach one of dimension {} of {}.\n",
                 before.least_in_a_mode, before.states, after.least_in_a_mode, after.states
             )
         }
@@ -233,13 +233,19 @@ impl Story {
             causes.push("no cause".to_owned());
         }
         let of: Vec<&str> = unnamed.iter().map(|c| c.equation.as_str()).collect();
-        let unnamed =
-            if of.is_empty() { String::new() } else { format!(" and adds a term without a name in {}", of.join(", ")) };
+        let unnamed = if of.is_empty() {
+            String::new()
+        } else {
+            format!("; it also adds a term without a name in {}", of.join(", "))
+        };
         let second = match &self.extended {
             None => "The diagnosis of the logs names no cause.".to_owned(),
             Some(moved) => {
                 let reached = if moved.reached() { "reaches it" } else { "misses it as well" };
-                format!("The diagnosis names {}{unnamed}; the model extended by them {reached}.", causes.join(", "))
+                format!(
+                    "The diagnosis names these causes: {}{unnamed}. The model extended by them {reached}.",
+                    causes.join("; ")
+                )
             }
         };
         format!("{first} {second}")

@@ -13,7 +13,7 @@ fn cases_are_printed_as_text_and_json() {
     let o = bracketry(&["analyze", &model, "--parameters", "symbolic"]);
     assert_eq!(code(&o), 0, "{}", text(&o.stderr));
     assert!(text(&o.stdout).contains("a - b = 0: 1 of 2   (confirmed at a = "), "{}", text(&o.stdout));
-    assert!(text(&o.stdout).contains("these are all cases (proven)"));
+    assert!(text(&o.stdout).contains("these are all the cases (proven)"));
     let o = bracketry(&["analyze", &model, "--parameters", "a", "--json"]);
     let value: Value = serde_json::from_slice(&o.stdout).unwrap();
     let strong = value["aspects"].as_array().unwrap().iter().find(|a| a["aspect"] == "strong_accessibility").unwrap();

@@ -36,7 +36,7 @@ fn the_exit_code_tells_a_motion_from_none_and_from_bad_input() {
     let model = file(&dir, "unicycle.toml", UNICYCLE);
     for (arguments, says) in [
         (&["steer", &model, "--to", "q=1"][..], "neither a state nor an input"),
-        (&["steer", &model, "--to", "x=1/0"], "to x=1/0"),
+        (&["steer", &model, "--to", "x=1/0"], "the final state x=1/0"),
         (&["steer", &model, "--to", "x=1", "--duration", "-1"], "give a positive number"),
         (&["steer", &model, "--to", "x=1", "--time-limit", "0"], "--time-limit"),
         (&["steer", &model], "--to"),

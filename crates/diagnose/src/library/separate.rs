@@ -109,12 +109,14 @@ fn same_cause(a: &Effect, b: &Effect, system: &System) -> String {
     if a.equation == b.equation {
         return match family(a.cause) {
             Family::Rate | Family::Contact => format!(
-                "drive {} at constant speeds close together and down to the slowest that can be held: the two forms differ in how the force changes with speed there",
+                "drive {} at constant speeds close together and down to the slowest that can be held: the two forms \
+                 differ in how the force changes with speed there",
                 a.equation
             ),
             Family::Timing => format!("excite {} more strongly, and each signal of it at its own time", a.equation),
             _ => format!(
-                "repeat the experiment with {} over a wider range, at other speeds: the two forms grow differently with it",
+                "repeat the experiment with {} over a wider range, at other speeds: the two forms grow differently \
+                 with it",
                 position(a, system)
             ),
         };
@@ -133,11 +135,14 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     let q = position(a, system);
     Some(match (a.cause, b.cause) {
         (ViscousFriction, ActuatorLag | InputDelay | SensorDelay) => format!(
-            "add fast content to the input, at {}: the phase of a delay or lag grows with frequency, that of viscous friction falls",
+            "add fast content to the input, at {}: the phase of a delay or lag grows with frequency, that of viscous \
+             friction falls",
             corner([a, b])
         ),
         (ConstantBias, Tilt) => {
-            "turn the device by 180 degrees about the vertical and repeat: the force of a slope reverses, that of a bias turns with the device".to_owned()
+            "turn the device by 180 degrees about the vertical and repeat: the force of a slope reverses, that of a \
+             bias turns with the device"
+                .to_owned()
         }
         (FrictionAsymmetry, ConstantBias | Tilt) => format!(
             "hold several constant speeds of {} in both directions, from slow to fast: a constant force is the same \
@@ -149,48 +154,71 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
             "measure {q} on both sides of the drive, and reverse slowly with small strokes: with play, the driven \
              side does not move over the same distance for any force"
         ),
-        (LinearStiffness, CubicStiffness) => format!("use strokes of {q} twice and half as long: the cubic force changes eightfold"),
+        (LinearStiffness, CubicStiffness) => format!(
+            "use strokes of {q} twice and half as long: the cubic force \
+        changes eightfold"
+        ),
         (LinearStiffness | CubicStiffness, PeriodicDisturbance) => {
-            format!("travel slowly over several periods of {q}, as far as the device allows: the force of a spring \
-                     is not periodic")
+            format!(
+                "travel slowly over several periods of {q}, as far as the device allows: the force of a spring \
+                     is not periodic"
+            )
         }
         (LinearStiffness | CubicStiffness | ConstantBias | Tilt, SensorBias) => format!(
             "release the device at several positions and measure where it rests, with {q} read off by a second instrument"
         ),
         (InputDelay, ActuatorLag) => {
-            format!("add content to the input at {}: a lag also makes the response smaller there, a delay does not", corner([a, b]))
+            format!(
+                "add content to the input at {}: a lag also makes the response smaller there, a delay does not",
+                corner([a, b])
+            )
         }
         (InputDelay | ActuatorLag, SensorDelay) => {
             "record the input where it acts with the same instrument as the motion (or one event, such as a knock, \
-             with all instruments): a delay of the sensors shifts that record too".to_owned()
+             with all instruments): a delay of the sensors shifts that record too"
+                .to_owned()
         }
         (InputGain, ParameterError) => {
             "add a known mass, or hang a known weight on the drive: a wrong gain changes the response to the input, \
-             not to the weight".to_owned()
+             not to the weight"
+                .to_owned()
         }
         (FrictionCoupling, AnisotropicFriction) => {
-            "slide in straight lines along each axis and at 45 degrees between them: coupled friction has the same level in all directions".to_owned()
+            "slide in straight lines along each axis and at 45 degrees between them: coupled friction has the same \
+             level in all directions"
+                .to_owned()
         }
         (PressureRadius, AnisotropicFriction | FrictionCoupling) => {
             "spin the body without sliding, then slide it without spin along each axis: the location of the pressure \
-             affects only the first".to_owned()
+             affects only the first"
+                .to_owned()
         }
         (YawFriction | ViscousFriction, PressureRadius) => {
             "let the body spin out without sliding, from a fast and from a slow spin: friction of pressure at a \
-             radius is the same at all spin rates".to_owned()
+             radius is the same at all spin rates"
+                .to_owned()
         }
         (YawFriction, FrictionCoupling) => {
             "spin the body without sliding, then slide it without spin along a slanted line: spin friction acts only \
-             in the first, coupling of the axes only in the second".to_owned()
+             in the first, coupling of the axes only in the second"
+                .to_owned()
         }
         (AnisotropicFriction | PressureRadius | YawFriction | FrictionCoupling, ComOffset) => {
-            "repeat with the body turned by 90 and 180 degrees: the effect of its center of mass turns with the body".to_owned()
+            "repeat with the body turned by 90 and 180 degrees: the effect of its center of mass turns with the \
+             body"
+                .to_owned()
         }
-        (InertialCoupling, YawFriction | FrictionCoupling) | (AnisotropicFriction | PressureRadius, InertialCoupling) => {
-            "repeat the same motion at half the frequency: inertial forces fall to a quarter, dry friction stays".to_owned()
+        (InertialCoupling, YawFriction | FrictionCoupling)
+        | (AnisotropicFriction | PressureRadius, InertialCoupling) => {
+            "repeat the same motion at half the frequency: inertial forces fall to a quarter, dry friction \
+             stays"
+                .to_owned()
         }
         (InertialCoupling, JointCoupling) => {
-            format!("move the other joint at constant speed, then accelerate it at rest positions of {q}: inertial forces need acceleration or high speed, friction does not")
+            format!(
+                "move the other joint at constant speed, then accelerate it at rest positions of {q}: inertial \
+            forces need acceleration or high speed, friction does not"
+            )
         }
         _ => return None,
     })
@@ -216,7 +244,8 @@ fn by_family(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     }
     if either(Family::Rate, Family::Position) {
         return Some(format!(
-            "pass the same positions {q} at different speeds, and hold it still away from the middle: an elastic force depends on the position only"
+            "pass the same positions {q} at different speeds, and hold it still away from the middle: an elastic force \
+             depends on the position only"
         ));
     }
     if either(Family::Position, Family::Constant) {
@@ -247,7 +276,8 @@ fn by_family(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     }
     if fa == Family::Scale || fb == Family::Scale {
         return Some(format!(
-            "repeat the experiment with half and with twice the amplitude of the input, and once without input ({} grows differently from {})",
+            "repeat the experiment with half and with twice the amplitude of the input, and once without input ({} \
+             grows differently from {})",
             a.cause.words(),
             b.cause.words()
         ));

@@ -41,7 +41,7 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
         settings.check(&origin, &header, system)?;
         return build(&origin, settings.apply(&origin, columns)?, ignored, system, settings);
     }
-    let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs and what was measured")?;
+    let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs, and what was measured")?;
     let entries = |name: &str| match role(settings.renamed(name), system) {
         None => Entries::Ignored,
         Some(Role::Measured(_)) => Entries::MayBeLost,

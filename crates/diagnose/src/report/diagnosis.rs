@@ -185,7 +185,7 @@ pub struct Report {
     pub causes: Vec<NamedCause>,
     /// Where the refitted model is wrong, the largest share first.
     pub places: Vec<Place>,
-    /// The same by acceleration, position and tilt: regimes of one kind add up to the share of their equation.
+    /// The same by acceleration, position, and tilt: regimes of one kind add up to the share of their equation.
     pub regimes: Vec<Place>,
     /// What the equations of the refitted model miss over time.
     pub residual_acceleration: Vec<ResidualAcceleration>,

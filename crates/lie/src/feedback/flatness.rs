@@ -16,7 +16,7 @@ use crate::feedback::static_linearization::LinearizationFlag;
 use crate::reason::FlatnessReason;
 use crate::undecided::Undecided;
 
-/// Whether a system is flat near a generic point (Fliess, Lévine, Martin and Rouchon 1995).
+/// Whether a system is flat near a generic point (Fliess, Lévine, Martin, and Rouchon 1995).
 #[derive(Clone, Debug)]
 pub(crate) struct Flatness {
     /// The verdict; `None` if neither was proven.

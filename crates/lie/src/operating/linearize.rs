@@ -80,7 +80,7 @@ pub struct LinearAnalysis {
     /// The linear-quadratic regulator.
     #[serde(skip)]
     pub regulator: Result<Gain, NoGain>,
-    /// The steady Kalman filter.
+    /// The steady-state Kalman filter.
     #[serde(skip)]
     pub estimator: Result<Gain, NoGain>,
 }

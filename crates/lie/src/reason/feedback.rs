@@ -88,7 +88,7 @@ pub enum FlatnessReason {
     StaticFeedback,
     /// With one input, flatness is linearizability by static feedback.
     #[error(
-        "a system with one input is flat only if it is linearizable by static feedback (Charlet, Lévine and Marino 1989)"
+        "a system with one input is flat only if it is linearizable by static feedback (Charlet, Lévine, and Marino 1989)"
     )]
     OneInput,
     /// The velocities that the inputs give do not form a ruled manifold.
@@ -104,7 +104,7 @@ pub enum FlatnessReason {
     )]
     DependentInputs,
     /// m = n − 1.
-    #[error("accessible with one input fewer than states (Charlet, Lévine and Marino 1989)")]
+    #[error("accessible with one input fewer than states (Charlet, Lévine, and Marino 1989)")]
     OneInputLess,
     /// m = n − 2 without drift.
     #[error("accessible without drift, with two inputs fewer than states (Martin and Rouchon 1995)")]

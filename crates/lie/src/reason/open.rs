@@ -180,14 +180,14 @@ pub enum AtSwitch {
     Equilibrium,
     /// Whether feedback stabilizes.
     #[error(
-        "the equations switch at the point: the inputs do not cancel the difference of the modes, and no function \
-         was found that changes in one direction only in every mode"
+        "the equations switch at the point: the inputs cannot cancel the difference between the drifts of the modes, and no \
+         function was found that is monotone along the motions of every mode"
     )]
     Stabilizable,
     /// Brockett's condition.
     #[error(
-        "the equations switch at the point: no direction is missed in every mode, and the inputs do not cancel the difference \
-         of the modes continuously"
+        "the equations switch at the point: no direction of x' is unattainable in every mode, and the inputs cannot cancel the \
+         difference between the drifts of the modes continuously"
     )]
     Brockett,
 }

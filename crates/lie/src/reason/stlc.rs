@@ -14,7 +14,7 @@ use crate::undecided::Undecided;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StlcReason {
     /// Bounded inputs cannot hold the state.
-    #[error("the drift does not vanish at the point and no input balances it")]
+    #[error("the drift does not vanish at the point, and no input balances it")]
     NotBalanced,
     /// Other inputs may hold the state.
     #[error("the point is not an equilibrium for the given inputs")]
@@ -90,7 +90,7 @@ pub enum StlcReason {
     #[error(transparent)]
     Undecided(#[from] Undecided),
     /// One-sided inputs away from an equilibrium.
-    #[error("inputs are one-sided and the point is not an equilibrium")]
+    #[error("inputs are one-sided, and the point is not an equilibrium")]
     OneSidedNoEquilibrium,
     /// No inputs in their ranges hold the state, by this linear function.
     #[error("the rate of {0} at the point is positive for all inputs in their ranges")]
@@ -129,7 +129,9 @@ pub enum StlcReason {
         reason: Box<StlcReason>,
     },
     /// Inputs without bounds, by jumps along their fields.
-    #[error("unbounded inputs jump along their fields to points where the drift points in all directions")]
+    #[error(
+        "with unbounded inputs, the state can jump along the input fields to states whose drifts together span all directions"
+    )]
     Jumps,
     /// A verdict for bounded inputs that says nothing of those without bounds.
     #[error("unbounded inputs may drive the state far away and back; no known condition decides this case")]
@@ -151,8 +153,8 @@ pub enum StlcReason {
     Canceled(Box<StlcReason>),
     /// Something switches at the point, and no condition decides.
     #[error(
-        "the equations switch at the point: no half-space holds in every mode, sticking is not proved, and the \
-         inputs do not cancel the difference of the modes"
+        "the equations switch at the point: no half-space is invariant in every mode, sticking is not proved, and the \
+         inputs cannot cancel the difference between the drifts of the modes"
     )]
     Switches,
     /// Too many modes meet at the point.

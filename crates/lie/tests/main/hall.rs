@@ -161,20 +161,20 @@ fn text_that_is_no_bracket_is_told_where_and_why() {
     for (text, message) in [
         (
             "[g2,[f,g3]]",
-            "`[g2,[f,g3]]` is not a bracket: `g3` is neither a generator nor an input; there are f, g1, g2, thrust, g1 at character 8",
+            "`[g2,[f,g3]]` is not a bracket: at character 8, `g3` is neither a generator nor an input; there are f, g1, g2, thrust, g1",
         ),
         (
             "[f,trust]",
-            "`[f,trust]` is not a bracket: `trust` is neither a generator nor an input; did you mean `thrust`? at character 4",
+            "`[f,trust]` is not a bracket: at character 4, `trust` is neither a generator nor an input; did you mean `thrust`?",
         ),
-        ("", "`` is not a bracket: expected a generator or `[`, found the end at character 1"),
-        ("[f g2]", "`[f g2]` is not a bracket: expected `,`, found `g` at character 4"),
-        ("[f,g2", "`[f,g2` is not a bracket: expected `]`, found the end at character 6"),
-        ("[f,g2]]", "`[f,g2]]` is not a bracket: expected the end, found `]` at character 7"),
-        ("[f,g2,f]", "`[f,g2,f]` is not a bracket: expected `]`, found `,` at character 6"),
-        ("[f,]", "`[f,]` is not a bracket: expected a generator or `[`, found `]` at character 4"),
-        ("f g2", "`f g2` is not a bracket: expected the end, found `g` at character 3"),
-        ("[f,g1]", "`[f,g1]` is not a bracket: `g1` names both an input and another input field at character 4"),
+        ("", "`` is not a bracket: at character 1, expected a generator or `[`, found the end"),
+        ("[f g2]", "`[f g2]` is not a bracket: at character 4, expected `,`, found `g`"),
+        ("[f,g2", "`[f,g2` is not a bracket: at character 6, expected `]`, found the end"),
+        ("[f,g2]]", "`[f,g2]]` is not a bracket: at character 7, expected the end, found `]`"),
+        ("[f,g2,f]", "`[f,g2,f]` is not a bracket: at character 6, expected `]`, found `,`"),
+        ("[f,]", "`[f,]` is not a bracket: at character 4, expected a generator or `[`, found `]`"),
+        ("f g2", "`f g2` is not a bracket: at character 3, expected the end, found `g`"),
+        ("[f,g1]", "`[f,g1]` is not a bracket: at character 4, `g1` names both an input and another input field"),
     ] {
         assert_eq!(read(text).to_string(), message);
     }

@@ -64,7 +64,7 @@ fn a_compass_sees_no_translation() {
 fn bearings_alone_leave_the_scale_open_unless_the_observer_accelerates() {
     let still = report_on("x y vx vy", "", "", &["vx", "vy", "0", "0"], &["atan(y/x)"], &[]);
     assert_eq!(still.rank, Answer::Known(3));
-    assert_eq!(symmetries(&still.unobservable_directions), ["scaling of x by s, y by s, vx by s and vy by s"]);
+    assert_eq!(symmetries(&still.unobservable_directions), ["scaling of x by s, y by s, vx by s, and vy by s"]);
     let moving = report_on("x y vx vy", "ax ay", "", &["vx", "vy", "ax", "ay"], &["atan(y/x)"], &[]);
     assert_eq!((moving.rank, moving.unobservable_directions), (Answer::Known(4), Vec::new()));
 }
@@ -77,7 +77,7 @@ fn the_scaling_symmetry_of_bolies_model_is_named() {
     assert_eq!(names(r.identifiable.as_ref(), false), ["p2", "p4"]);
     assert_eq!(names(r.identifiable_states.as_ref(), false), ["q2"]);
     assert_eq!(fields_of(&r.unidentifiable_directions), ["q2 ∂q2 - p2 ∂p2 + p4 ∂p4"]);
-    assert_eq!(symmetries(&r.unidentifiable_directions), ["scaling of q2 by s, p2 by s^(-1) and p4 by s"]);
+    assert_eq!(symmetries(&r.unidentifiable_directions), ["scaling of q2 by s, p2 by s^(-1), and p4 by s"]);
     assert_eq!(r.fix_to_identify, Some(vec!["p2".into()]));
     assert_eq!(names(r.determined.as_ref(), true), ["p2*p4"]);
     assert_eq!(names(r.determined.as_ref(), false), ["p2/p4"]);
@@ -116,7 +116,7 @@ fn epidemics_seen_through_an_unknown_reporting_rate() {
     assert_eq!(names(r.identifiable.as_ref(), true), ["ga"]);
     assert_eq!(names(r.determined.as_ref(), true), ["be/k"]);
     assert_eq!(fields_of(&r.unobservable_directions), ["∂R"]);
-    let scaling = "scaling of S by s, I by s, be by s^(-1) and k by s^(-1)";
+    let scaling = "scaling of S by s, I by s, be by s^(-1), and k by s^(-1)";
     assert_eq!(symmetries(&r.unidentifiable_directions), ["translation along R", scaling]);
     let seir = ["-be*S*I/N", "be*S*I/N - nu*E", "nu*E - ga*I"];
     let r = report_on("S E I", "", "be nu ga k N", &seir, &["k*I"], &[]);
@@ -150,7 +150,7 @@ fn an_enzyme_is_identified_from_its_substrate() {
 fn a_pendulum_and_a_motor() {
     let r = report_on("q w", "u", "m l g", &["w", "-g/l*sin(q) + u/(m*l^2)"], &["q"], &["g/l", "m*l^2", "g"]);
     assert_eq!(names(r.determined.as_ref(), true), ["g/l", "m*l^2"]);
-    assert_eq!(symmetries(&r.unidentifiable_directions), ["scaling of m by s^2, l by s^(-1) and g by s^(-1)"]);
+    assert_eq!(symmetries(&r.unidentifiable_directions), ["scaling of m by s^2, l by s^(-1), and g by s^(-1)"]);
     // From voltage to angle three of the six parameters of a motor can be found.
     let motor = ["(u - R*i - Ke*w)/L", "(Kt*i - b*w)/J", "w"];
     let combinations = ["Kt/(L*J)", "R/L + b/J", "(R*b + Kt*Ke)/(L*J)"];
@@ -160,7 +160,7 @@ fn a_pendulum_and_a_motor() {
     assert_eq!((r.unidentifiable_directions.len(), r.fix_to_identify.map(|l| l.len())), (3, Some(3)));
     // With the current measured the electrical side is known; torque scales with the inertia.
     let r = report_on("i w", "u", "R L Ke Kt J b", &motor[..2], &["w", "i"], &[]);
-    assert_eq!(symmetries(&r.unidentifiable_directions), ["scaling of Kt by s, J by s and b by s"]);
+    assert_eq!(symmetries(&r.unidentifiable_directions), ["scaling of Kt by s, J by s, and b by s"]);
 }
 
 /// x' = −a x + sin(b u): the input is known, also where integrators in front of it would make it a state.

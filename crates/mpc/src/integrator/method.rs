@@ -47,6 +47,6 @@ impl Integrator {
             Self::GaussLegendre { stages } | Self::RadauIIA { stages } => stages,
         };
         let what = "the number of stages of the integrator";
-        check_value((1..=4).contains(&stages), what, stages as f64, "give 1, 2, 3 or 4")
+        check_value((1..=4).contains(&stages), what, stages as f64, "give 1, 2, 3, or 4")
     }
 }

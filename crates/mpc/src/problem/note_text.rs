@@ -40,7 +40,7 @@ impl fmt::Display for Note {
             Note::Delays { longest, samples, compensated } => write!(
                 f,
                 "the plant's inputs act up to {} s ({samples:.2} samples) later than commanded; the controller \
-                 compensates {} of it",
+                 compensates for {} of this delay",
                 readable(*longest),
                 counted(*compensated, "sample", "samples")
             ),
@@ -152,14 +152,14 @@ impl fmt::Display for Note {
             }
             Note::UnlikePlan { realized, planned, intervals, cause } => write!(
                 f,
-                "the first {} cost {}, in the plan {}: {cause}",
+                "the first {} cost {}, but {} in the plan: {cause}",
                 counted(*intervals, "interval", "intervals"),
                 readable(*realized),
                 readable(*planned)
             ),
             Note::EndCostStays { first, last, planned, cause } => write!(
                 f,
-                "the terminal cost goes from {} to {} over the run, in the plan to {}: {cause}",
+                "the terminal cost goes from {} to {} over the run, but to {} in the plan: {cause}",
                 readable(*first),
                 readable(*last),
                 readable(*planned)
@@ -178,7 +178,7 @@ impl fmt::Display for Note {
             }
             Note::BetterElsewhere { at_rest, planned, found } => write!(
                 f,
-                "the plan is only a local minimum: it costs {}, a plan started from {} costs {}; give such a [guess]",
+                "the plan is only a local minimum: it costs {}, whereas a plan started from {} costs {}; give such a [guess]",
                 readable(*planned),
                 if *at_rest { "inputs at rest" } else { "a wave of 10 % on the guess" },
                 readable(*found)
@@ -199,7 +199,7 @@ impl fmt::Display for Note {
             ),
             Note::NotSettling { last, planned, cause } => write!(
                 f,
-                "the stage cost is {} in the last quarter of the run, in the plan it falls to {}: {cause}",
+                "the stage cost is {} in the last quarter of the run, but in the plan it falls to {}: {cause}",
                 readable(*last),
                 readable(*planned)
             ),

@@ -209,7 +209,7 @@ impl Reader<'_> {
             faults.push((range, Fault::TimeLimit(self.not_negative(fault, "time_limit", 0.0)?)));
         }
         if faults.len() == before {
-            let remedy = "add lost = true, nan = […], disturbance = { … }, solver_limit or time_limit";
+            let remedy = "add lost = true, nan = […], disturbance = { … }, solver_limit, or time_limit";
             return Err(self.doc.error(entry.span(), "this fault has no effect", remedy).into());
         }
         Ok(())

@@ -155,7 +155,7 @@ impl Reader<'_> {
         if let Some(at) =
             b.get("at").filter(|_| at_end && self.compiled(g.clone(), names).is_ok_and(|f| f.uses_inputs()))
         {
-            let remedy = "use states, time and references only: the last state has no input";
+            let remedy = "use only states, time, and references: the last state has no input";
             return Err(self.doc.error(at.span(), "a constraint at the end uses an input", remedy).into());
         }
         let mut whole = Bounds { softness, ..Bounds::FREE };

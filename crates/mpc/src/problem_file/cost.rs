@@ -211,7 +211,7 @@ impl Reader<'_> {
         let residuals = self.residuals(table, keys)?;
         let first = residuals.first().map(|(v, _)| *v);
         let Some(place) = table.get(keys.expression).or(first) else { return Ok(None) };
-        let remedy = "write states, inputs, parameters, references and t, without derivatives of inputs";
+        let remedy = "write states, inputs, parameters, references, and t, without derivatives of inputs";
         let made = if let Some(tree) = self.tree {
             let (mut pool, sum) = self.mean_cost(tree, table, keys, references)?;
             let remembered = tree.remembered(self.remembered);

@@ -30,7 +30,7 @@ impl Reader<'_> {
             return Ok(());
         }
         if !system.is_smooth() {
-            let message = "a discrete-time controller model must be smooth, without `sign`, `abs`, `min` and `max`";
+            let message = "a discrete-time controller model must be smooth, without `sign`, `abs`, `min`, and `max`";
             let remedy = "write limits in [constraints], and name a model that has them as `plant`";
             return Err(self.doc.error(place("model"), message, remedy).into());
         }

@@ -94,7 +94,8 @@ impl Reader<'_> {
         };
         let estimation = Estimation { kind, problem, settings, names };
         if let Err(e) = estimation.estimator() {
-            let remedy = "change `outputs`, `parameters` or `disturbances`: they define what is measured and estimated";
+            let remedy =
+                "change `outputs`, `parameters`, or `disturbances`: they define what is measured and estimated";
             return Err(self.doc.error(place, e.to_string(), remedy).into());
         }
         Ok(Some(estimation))
@@ -127,7 +128,7 @@ impl Reader<'_> {
             } else {
                 let mut known = self.system.input_names();
                 known.extend(self.system.state_names());
-                return Err(self.unknown(&name, key.span(), "input, state or output", &known));
+                return Err(self.unknown(&name, key.span(), "input, state, or output", &known));
             };
             let (std, walk, min, max) = self.walk(v, key.get_ref())?;
             problem.disturbances.push(Disturbance { channel, std, walk, min, max });

@@ -23,7 +23,7 @@ impl Reader<'_> {
         let stages = self.count(horizon, "stages", Some(2))?;
         if let Some(v) = horizon.get("stages").filter(|_| stages > 4) {
             let remedy = "2 stages are usual";
-            return Err(self.doc.error(v.span(), "`stages` must be 1, 2, 3 or 4", remedy).into());
+            return Err(self.doc.error(v.span(), "`stages` must be 1, 2, 3, or 4", remedy).into());
         }
         let methods = [
             ("rk4", Integrator::Rk4),

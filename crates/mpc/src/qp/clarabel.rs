@@ -32,7 +32,7 @@ impl QpSettings {
             .map_err(|_| MpcError::Value {
                 what: "the tolerance of the quadratic program".into(),
                 value: self.tolerance,
-                remedy: "give a tolerance between 0 and 1, a positive time limit and number of iterations",
+                remedy: "give a tolerance between 0 and 1, a positive time limit, and a positive number of iterations",
             })
     }
 }

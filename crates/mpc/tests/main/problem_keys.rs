@@ -204,7 +204,7 @@ fn policies_have_names() {
 fn mistakes_are_named_with_their_place() {
     for (line, before, message, place) in [
         ("integrator = \"rk4\"\nstages = 3", "[cost]", "always has 4 stages", "p.toml:7:10"),
-        ("stages = 7\nintegrator = \"radau\"", "[cost]", "must be 1, 2, 3 or 4", "p.toml:6:10"),
+        ("stages = 7\nintegrator = \"radau\"", "[cost]", "must be 1, 2, 3, or 4", "p.toml:6:10"),
         ("blocks = [1, 0]", "[cost]", "a block must be a whole number", "p.toml:6:14"),
         ("blocks = [30]", "[cost]", "the blocks hold 30 intervals, the horizon 20", "p.toml:6:10"),
         ("g = { expression = \"x + q\", max = 1 }", "[solve]", "`q`", "p.toml:11:25"),

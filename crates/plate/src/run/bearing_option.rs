@@ -14,7 +14,7 @@ pub(super) fn bearing(text: &str) -> Result<Bearing, Problem> {
     let unknown = || {
         problem(
             format!("`{text}` is not a bearing"),
-            "give footprint, scaled:0.5 (the inner half), ring:1 (the rim), feet:x,y;x,y;… or map:FILE.csv, in meters",
+            "give footprint, scaled:0.5 (the inner half), ring:1 (the rim), feet:x,y;x,y;…, or map:FILE.csv, in meters",
         )
     };
     let (kind, rest) = text.split_once(':').unwrap_or((text, ""));

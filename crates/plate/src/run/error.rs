@@ -37,7 +37,7 @@ pub enum PlateRunError {
     },
     /// The log does not cover the time.
     #[error(
-        "the log `{log}` has the plate's motion from {from} s to {to} s, the run needs it until {until} s; shorten --seconds"
+        "the log `{log}` has the plate's motion from {from} s to {to} s, but the run needs it until {until} s; shorten --seconds"
     )]
     LogTooShort {
         /// The log.

@@ -112,7 +112,7 @@ pub(super) fn friction(text: &str) -> Result<FrictionLaw, Problem> {
         ("viscous", &[coefficient]) => Ok(FrictionLaw::Viscous { coefficient }),
         _ => Err(problem(
             format!("`{text}` is not a friction law"),
-            "give coulomb, static:MU_S, stribeck:MU_S,VELOCITY, anisotropic:MU_ALONG_Y or viscous:COEFFICIENT",
+            "give coulomb, static:MU_S, stribeck:MU_S,VELOCITY, anisotropic:MU_ALONG_Y, or viscous:COEFFICIENT",
         )),
     }
 }
@@ -132,7 +132,7 @@ pub(super) fn shape(text: &str) -> Result<Shape, Problem> {
     let unknown = || {
         problem(
             format!("`{text}` is not a shape"),
-            "give disk:RADIUS, ellipse:AxB (semi-axes), rectangle:AxB (full sides) or polygon:FILE.csv, in meters",
+            "give disk:RADIUS, ellipse:AxB (semi-axes), rectangle:AxB (full sides), or polygon:FILE.csv, in meters",
         )
     };
     let (kind, rest) = text.split_once(':').ok_or_else(unknown)?;

@@ -50,7 +50,7 @@ class Trim(Result):
 
 @dataclass(frozen=True)
 class Gain:
-    """A feedback u = -K x, or the gain L of a steady Kalman filter."""
+    """A feedback u = -K x, or the gain L of a steady-state Kalman filter."""
 
     gain: Floats
     #: Solution of the Riccati equation.
@@ -83,7 +83,7 @@ class Linearization(Result):
     gramians: dict[str, Any] | None = field(repr=False, default=None)
     distance_to_uncontrollable: dict[str, Any] | None = field(repr=False, default=None)
     distance_to_unobservable: dict[str, Any] | None = field(repr=False, default=None)
-    #: Linear-quadratic regulator and steady Kalman filter; the reason as text where there is none.
+    #: Linear-quadratic regulator and steady-state Kalman filter; the reason as text where there is none.
     regulator: Gain | str = field(repr=False, default="")
     estimator: Gain | str = field(repr=False, default="")
     #: Files for python-control, MATLAB and Julia by name.

@@ -38,7 +38,7 @@ class Event:
 class Trajectory(Sampled):
     """A simulation: samples, events, how it ended.
 
-    ``trajectory["x"]`` is the column of a state, input or output by name, ``trajectory["t"]`` the times. Inputs are NaN where
+    ``trajectory["x"]`` is the column of a state, input, or output by name, ``trajectory["t"]`` the times. Inputs are NaN where
     only derivatives of them are given.
     """
 
@@ -131,7 +131,7 @@ def simulate(
     native: dict[str, Any] = {"rtol": rtol, "atol": atol, "hold_inputs": hold}
     if scenario is not None:
         if any(v is not None for v in (duration, x0, inputs, parameters, sample, start)):
-            raise BracketryError("a scenario file defines duration, x0, inputs, parameters and sample: give it alone")
+            raise BracketryError("a scenario file defines duration, x0, inputs, parameters, and sample: give it alone")
         return _run(system, file=fspath(scenario), **native)
     for what, seconds in (("duration", duration), ("sample", sample)):
         if seconds is not None and not 0 < float(number(seconds, what)):

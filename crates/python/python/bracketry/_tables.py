@@ -55,7 +55,7 @@ def columns_of(table: Any, what: str) -> dict[str, Floats]:
             pairs["t"] = table.index
     else:
         raise BracketryError(
-            f"{what}: {type(table).__name__} is not a table; give a file, a mapping of arrays, a DataFrame or a Trajectory"
+            f"{what}: {type(table).__name__} is not a table; give a file, a mapping of arrays, a DataFrame, or a Trajectory"
         )
     return {str(name): floats(values, f"{what}: column `{name}`") for name, values in pairs.items()}
 

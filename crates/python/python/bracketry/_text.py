@@ -39,7 +39,7 @@ def expression(value: object, what: str) -> str:
     if is_sympy(value):
         return sympy_text(value, what)
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
-        raise BracketryError(f"{what}: `{value!r}` is not an expression; give a string, a number or a SymPy expression")
+        raise BracketryError(f"{what}: `{value!r}` is not an expression; give a string, a number, or a SymPy expression")
     return number(value, what)
 
 

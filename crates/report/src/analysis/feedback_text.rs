@@ -74,7 +74,7 @@ fn input_output(f: &mut String, r: &InputOutputReport) -> fmt::Result {
     }
     match (&r.decoupling_determinant, &r.singular_set) {
         (Some(d), Some(set)) => {
-            let set = if set.is_nowhere() { "zero nowhere".to_owned() } else { format!("zero where {set}") };
+            let set = if set.is_nowhere() { "nowhere zero".to_owned() } else { format!("zero where {set}") };
             writeln!(f, "  {:<22} {}", "its determinant", readable(&format!("{d}, {set}")))?;
         }
         (Some(d), None) => writeln!(f, "  {:<22} {}", "its determinant", readable(&d.to_string()))?,

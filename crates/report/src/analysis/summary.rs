@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use bracketry_lie::{Analysis, Answer, Dimensions, Function, SwitchedReport, SwitchingTheorem};
 
-use super::lists::joined;
+use super::lists::{joined, series};
 
 /// One paragraph for who does not know the terms.
 pub fn summary(a: &Analysis) -> String {
@@ -61,23 +61,23 @@ fn plain_language(a: &Analysis) -> String {
     if worst.signs.0.is_empty() {
         return if inside == n {
             format!(
-                "From almost every state, and at every later time, the inputs reach an open set of the {n}-dimensional \
-                 state space."
+                "From almost every state, and at every later time, the states that the inputs reach contain an open set of \
+                 the {n}-dimensional state space."
             )
         } else {
             format!(
-                "At each time the inputs reach only a set of dimension {inside} of {n}. {}",
+                "At each time, the states that the inputs reach form a set of dimension only {inside}, out of {n}. {}",
                 fixed_functions(&functions, missing, "")
             )
         };
     }
     let signs = worst.signs.condition();
     let mut text = if inside == n {
-        format!("Even while no switching function changes its sign, the inputs reach a set of full dimension {n}.")
+        format!("Even while no switching function changes sign, the inputs reach a set of full dimension {n}.")
     } else {
         format!(
-            "While no switching function changes its sign (here: {signs}), the inputs reach at each time only a set of \
-             dimension {inside} of {n}. {}",
+            "While no switching function changes sign (here: {signs}), the states that the inputs reach at each time form \
+             a set of dimension only {inside}, out of {n}. {}",
             fixed_functions(&functions, missing, " there")
         )
     };
@@ -106,15 +106,15 @@ fn together(switched: &SwitchedReport, inside: usize, n: usize) -> String {
     match &switched.dimensions.strongly_accessible_dimension {
         Answer::Known(all) if *all <= inside => String::new(),
         Answer::Known(all) if switched.strongly_accessible_by == SwitchingTheorem::SurfaceClosure => format!(
-            " Where the motion crosses from one mode to another, it continues in other directions and may return: \
-             over all modes together, the dimension is {all} of {n} if the surfaces between the modes are crossed \
-             repeatedly."
+            " Where the motion crosses from one mode to another, it continues in other directions, and it may return. \
+             Over all modes together, the dimension is {all} of {n}, provided that the motion can cross the surfaces \
+             between the modes repeatedly."
         ),
         Answer::Known(all) => format!(
             " Where the mode changes, the drift changes, and the difference of two drifts acts like an additional \
-             input: with all modes together, the dimension is {all} of {n}. Switching thus reaches directions that a \
-             single mode does not; with dry friction, this means sliding back and forth, as far as the inputs \
-             overcome the friction."
+             input. With all modes together, the dimension is {all} of {n}: switching reaches directions that a \
+             single mode does not. With dry friction, this means sliding back and forth, where the inputs overcome \
+             the friction."
         ),
         Answer::Unknown(why) => format!(" What switching between the modes adds is undecided: {why}."),
     }
@@ -125,7 +125,7 @@ fn fixed_functions(functions: &[Function], missing: usize, place: &str) -> Strin
     let found = match functions.len() {
         0 => String::new(),
         1 => format!("The function {} evolves{place} as if there were no input.", functions[0]),
-        _ => format!("The functions {} evolve{place} as if there were no input.", joined(functions, " and ")),
+        _ => format!("The functions {} evolve{place} as if there were no input.", series(functions)),
     };
     let rest = match (missing, functions.is_empty()) {
         (0, _) => return found,

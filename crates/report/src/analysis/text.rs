@@ -271,14 +271,15 @@ fn eigenvalue(m: &Mode) -> String {
     let times = if m.multiplicity > 1 { format!(" ({} times)", m.multiplicity) } else { String::new() };
     let along =
         if m.combinations.is_empty() { String::new() } else { format!(" along {}", joined(&m.combinations, ", ")) };
-    format!("{:.6}{imaginary}{times}{along}", m.re)
+    let real = if m.re == 0.0 { "0".to_owned() } else { format!("{:.6}", m.re) };
+    format!("{real}{imaginary}{times}{along}")
 }
 
 fn involutive_closure(r: &InvolutiveClosureReport) -> String {
     let integrals = if r.integrals.is_empty() {
         String::new()
     } else {
-        format!(", constant along it {}", joined(&r.integrals, ",  "))
+        format!(", functions constant along it: {}", joined(&r.integrals, ",  "))
     };
     let missing = r.integrals_not_found.map_or(String::new(), |k| format!(", {k} not found in closed form"));
     format!("dimension {} (growth {}){integrals}{missing}", r.dimension, joined(&r.growth, ", "))
@@ -367,17 +368,17 @@ fn observability(f: &mut String, r: &ObservabilityReport, of: &str) -> fmt::Resu
     if r.identifiable_without_inputs != r.identifiable {
         let names = hidden(&r.identifiable_without_inputs);
         if !names.is_empty() {
-            writeln!(f, "  with all inputs at zero not identifiable: {}", joined(&names, ", "))?;
+            writeln!(f, "  not identifiable with all inputs at zero: {}", joined(&names, ", "))?;
         }
     }
     if let Some(why) = &r.undecided_without_inputs {
         writeln!(f, "  identifiability with all inputs at zero: unknown ({why})")?;
     }
     for d in r.unidentifiable_directions.iter().filter(|d| !r.unobservable_directions.contains(d)) {
-        writeln!(f, "  with unknown parameters no output changes along {}", direction(d))?;
+        writeln!(f, "  while parameters are unknown, no output changes along {}", direction(d))?;
     }
     if let Some(fix) = &r.fix_to_identify {
-        writeln!(f, "  all parameters are locally identifiable given {}", joined(fix, ", "))?;
+        writeln!(f, "  all parameters are locally identifiable if these are known: {}", joined(fix, ", "))?;
     }
     for (text, yes) in r.determined.iter().flat_map(|m| &m.0) {
         writeln!(f, "  {text}: {}", if *yes { "locally determined" } else { "not determined" })?;

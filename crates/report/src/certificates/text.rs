@@ -35,7 +35,7 @@ pub(super) fn reason(why: &Reason) -> String {
             if *eigenvalues == 1 { "" } else { "s" }
         ),
         Reason::Critical => {
-            "the linearization has eigenvalues on the imaginary axis, so no quadratic form of it gives a region"
+            "the linearization has eigenvalues on the imaginary axis, so it has no quadratic Lyapunov function that gives a region"
                 .to_owned()
         }
         Reason::Excluded { degree } => format!(
@@ -134,7 +134,8 @@ pub fn certification_text(found: &Certification) -> String {
     }
     if let Some([left, axis, right]) = found.eigenvalues {
         lines.push(format!(
-            "  eigenvalues of the linearization: {left} left, {axis} on the axis, {right} right (exact)"
+            "  eigenvalues of the linearization: {left} in the left half-plane, {axis} on the imaginary axis, {right} in the right \
+             half-plane (exact)"
         ));
     }
     lines.extend(found.conserved.iter().flat_map(conserved));

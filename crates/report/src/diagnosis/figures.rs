@@ -51,7 +51,7 @@ impl Diagnosis {
     fn places(&self) -> Vec<Figure> {
         let Report { places, regimes, .. } = &self.report;
         let motion = of_places(places, "where", "Where the refitted model is wrong, by motion");
-        let others = of_places(regimes, "regimes", "The same by acceleration, position and tilt");
+        let others = of_places(regimes, "regimes", "The same by acceleration, position, and tilt");
         motion.into_iter().chain(others).collect()
     }
 

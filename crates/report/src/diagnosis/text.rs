@@ -6,6 +6,8 @@ use bracketry_diagnose::{
     Candidate, Effort, Gain, NamedCause, RefittedParameter, Report, measured, p_value, probability, significant,
 };
 
+use bracketry_system::counted;
+
 use super::sentences::{closeness, flag as flag_text, note as note_text, reason, regime};
 use super::table::{Table, percent, short};
 
@@ -35,7 +37,7 @@ fn write_report(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
         for p in report.places.iter().chain(&report.regimes) {
             table.row([&p.equation, &regime(&p.regime), &percent(p.share), &p.time.map_or_else(String::new, percent)]);
         }
-        write!(f, "\nWhere the refitted model is wrong: by motion, then by acceleration, position and tilt\n{table}")?;
+        write!(f, "\nWhere the refitted model is wrong: by motion, then by acceleration, position, and tilt\n{table}")?;
     }
     if let Some(excess) = &report.excess {
         write!(f, "\nResidual over noise (1 = noise only): {} refitted", short(excess.refitted))?;
@@ -63,8 +65,11 @@ fn write_report(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
         writeln!(f, "\nExtended model: {}", path.display())?;
     }
     let Effort { fits, linearizations, simulations, steps, rejected, .. } = report.effort;
-    write!(f, "\n{} s: {fits} fits, {linearizations} linearizations, ", short(report.seconds))?;
-    writeln!(f, "{simulations} simulations of windows in {steps} steps and {rejected} rejected ones")
+    let (fits, linearizations) =
+        (counted(fits as usize, "fit", "fits"), counted(linearizations as usize, "linearization", "linearizations"));
+    write!(f, "\n{} s: {fits}, {linearizations}, and ", short(report.seconds))?;
+    let simulations = counted(simulations as usize, "simulation of a window", "simulations of windows");
+    writeln!(f, "{simulations}, with {steps} accepted and {rejected} rejected steps")
 }
 
 fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {

@@ -121,7 +121,7 @@ fn found(form: &NormalForm) -> Vec<String> {
     list("feedback that makes the last derivatives new inputs", &form.linearizing_feedback, &mut lines);
     lines.extend(form.blocks.iter().map(block));
     match &form.singular_set {
-        Some(set) if set.is_nowhere() => lines.push("singular nowhere".to_owned()),
+        Some(set) if set.is_nowhere() => lines.push("nowhere singular".to_owned()),
         Some(set) => lines.push(format!("singular where {set}")),
         None => lines.push("the singular set is too large to print".to_owned()),
     }

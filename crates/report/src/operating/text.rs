@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 pub(super) fn note(n: &TrimNote) -> String {
     match n {
         TrimNote::Underdetermined { dimensions } => format!(
-            "the solutions form a set of dimension {dimensions}: this is the one nearest to the model's point (least \
+            "the solutions form a set of dimension {dimensions}; this is the one nearest to the model's point (least \
              norm); fix more variables to get another"
         ),
         TrimNote::Degenerate => {
@@ -179,7 +179,7 @@ pub fn linear_text(r: &LinearAnalysis) -> String {
         None => "  poles: not found, the QR algorithm did not converge".to_owned(),
     });
     if let Some([left, axis, right]) = r.half_planes {
-        lines.push(format!("  half-planes, exactly: {left} left, {axis} on the axis, {right} right"));
+        lines.push(format!("  poles by half-plane (exact): {left} left, {axis} on the axis, {right} right"));
     }
     lines.push(match &r.zeros {
         Some(zeros) => list("zeros", zeros),
@@ -192,7 +192,9 @@ pub fn linear_text(r: &LinearAnalysis) -> String {
     match &r.gramians {
         Some(g) => {
             let over = g.horizon.map_or("all time".to_owned(), |t| {
-                format!("the time from 0 to {}, because the system is not stable or a horizon is given", readable(t))
+                let unstable = r.poles.as_ref().is_some_and(|poles| poles.iter().any(|p| p.re >= 0.0));
+                let why = if unstable { ", because the system is not stable" } else { "" };
+                format!("the time from 0 to {}{why}", readable(t))
             });
             lines.push(format!("  Gramians over {over}"));
             lines.push(matrix("Wc", &g.controllability));
@@ -201,6 +203,6 @@ pub fn linear_text(r: &LinearAnalysis) -> String {
         None => lines.push("  Gramians: not found".to_owned()),
     }
     lines.extend(gain("linear-quadratic regulator u = -K x", "K", "poles of A - B K", &r.regulator));
-    lines.extend(gain("steady Kalman filter", "L", "poles of A - L C", &r.estimator));
+    lines.extend(gain("steady-state Kalman filter", "L", "poles of A - L C", &r.estimator));
     lines.join("\n") + "\n"
 }

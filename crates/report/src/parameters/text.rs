@@ -70,14 +70,14 @@ fn aspect(a: &AspectCases, report: &ParameterReport) -> Vec<String> {
         lines.push(if a.cases.is_empty() {
             "    the same for all parameters at which the equations are defined (proven)".to_owned()
         } else {
-            "    these are all cases (proven)".to_owned()
+            "    these are all the cases (proven)".to_owned()
         });
     } else if a.complete_up_to_conditions {
         let few = match report.conditions {
             1 => "one condition".to_owned(),
             n => format!("{n} simultaneous conditions"),
         };
-        lines.push(format!("    these are all cases with up to {few} (proven)"));
+        lines.push(format!("    these are all the cases with up to {few} (proven)"));
     } else {
         lines.push("    the list of cases may be incomplete".to_owned());
     }
@@ -115,7 +115,7 @@ pub(super) fn cell(c: &MapCell) -> String {
     match (c.stabilizable, c.unstable, c.on_axis) {
         (_, 0, 0) => "stable".to_owned(),
         (true, 0, _) => "stabilizable, eigenvalues on the axis".to_owned(),
-        (true, k, _) => format!("stabilizable, {k} unstable"),
+        (true, k, _) => format!("stabilizable, with {k} unstable eigenvalue{}", if k == 1 { "" } else { "s" }),
         (false, _, _) => format!("not stabilizable, {} uncontrollable", c.uncontrollable),
     }
 }

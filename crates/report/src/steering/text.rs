@@ -9,12 +9,12 @@ use bracketry_system::readable;
 pub(super) fn method(method: SteerMethod) -> &'static str {
     match method {
         SteerMethod::Chained => {
-            "sinusoids in the chained form (Murray and Sastry 1993; Tilbury, Murray and Sastry 1995)"
+            "sinusoids in the chained form (Murray and Sastry 1993; Tilbury, Murray, and Sastry 1995)"
         }
         SteerMethod::Nilpotent => {
             "piecewise constant inputs by Philip Hall coordinates (Lafferriere and Sussmann 1991)"
         }
-        SteerMethod::Flat => "polynomials in flat outputs (Fliess, Lévine, Martin and Rouchon 1995)",
+        SteerMethod::Flat => "polynomials in flat outputs (Fliess, Lévine, Martin, and Rouchon 1995)",
         SteerMethod::Shooting => "shooting: sinusoids found by Levenberg–Marquardt iterations on the end error",
     }
 }
@@ -122,10 +122,16 @@ pub fn steering_text(s: &Steering) -> String {
     lines.push(format!("  to {}", state(&names, &s.to)));
     lines.push(match s.status {
         SteerStatus::Reached => {
-            format!("reached: the simulated motion ends within {:.1e} of every state", s.end_error.max(1e-16))
+            format!(
+                "reached: the simulated motion ends within {:.1e} of the target in every state",
+                s.end_error.max(1e-16)
+            )
         }
         SteerStatus::FirstGuess => {
-            format!("first guess only: the simulated motion ends within {} of every state", readable(s.end_error))
+            format!(
+                "first guess only: the simulated motion ends within {} of the target in every state",
+                readable(s.end_error)
+            )
         }
         SteerStatus::NotFound => "not found".to_owned(),
     });

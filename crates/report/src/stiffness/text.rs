@@ -25,9 +25,9 @@ pub(super) fn listed<T: ToString>(values: &[T]) -> String {
 pub fn advice(advice: &Advice) -> String {
     match advice {
         Advice::Trust { method, held_out } => format!(
-            "trust {method}: it predicts held-out displacements to {held_out:.2} σ, and of the methods that do so it has the fewest parameters"
+            "trust {method}: this method predicts held-out displacements to {held_out:.2} σ and, of the methods that do so, has the fewest parameters"
         ),
-        Advice::DoesNotApply { method, why } => format!("{method}: does not apply, {why}"),
+        Advice::DoesNotApply { method, why } => format!("{method}: not applicable: {why}"),
         Advice::Attenuated { estimator, attenuation } => {
             let (noise, too_small, ending) = match estimator {
                 CartesianEstimator::WrenchOnDisplacement => ("ΔX", "K", ", however many measurements there are"),
@@ -129,7 +129,7 @@ fn write_methods(out: &mut String, found: &Identification) -> fmt::Result {
             None => alike.push((why, vec![method.to_string()])),
         }
     }
-    alike.iter().try_for_each(|(why, methods)| writeln!(out, "{}: does not apply, {why}", methods.join("; ")))
+    alike.iter().try_for_each(|(why, methods)| writeln!(out, "{}: not applicable: {why}", methods.join("; ")))
 }
 
 fn write_parameters(out: &mut String, found: &Identification) -> fmt::Result {
@@ -343,7 +343,10 @@ pub fn compensated_log(run: &CompensatedLog) -> String {
         writeln!(out, "largest correction of each joint [mrad, mm]: {}", corrections.join(", "))?;
         if run.limited > 0 {
             let samples = samples(run.limited);
-            writeln!(out, "limits reached at {samples}: raise correction_limit or rate_limit if this is intended")?;
+            writeln!(
+                out,
+                "limits reached at {samples}: raise correction_limit or rate_limit if such corrections are intended"
+            )?;
         }
         for count in &run.faults {
             writeln!(out, "held at {}: {}", samples(count.samples), fault(count.fault))?;

@@ -138,8 +138,8 @@ fn the_text_names_symmetries_and_remedies() {
     let text = report_text(&analyze_affine(&s, &Options::default()).unwrap());
     for line in [
         "  parameter k: not identifiable\n",
-        "  with unknown parameters no output changes along k ∂k + m ∂m (scaling of k by s and m by s)\n",
-        "  all parameters are locally identifiable given k\n",
+        "  while parameters are unknown, no output changes along k ∂k + m ∂m (scaling of k by s and m by s)\n",
+        "  all parameters are locally identifiable if these are known: k\n",
     ] {
         assert!(text.contains(line), "{line} in {text}");
     }

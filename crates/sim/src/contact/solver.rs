@@ -15,7 +15,7 @@ const LEAST_SMOOTHING: f64 = 1e-13;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ContactError {
     /// The mass matrix is not symmetric positive definite and finite.
-    #[error("the mass matrix must be symmetric, positive definite and finite")]
+    #[error("the mass matrix must be symmetric, positive definite, and finite")]
     Mass,
     /// The velocity without friction is not finite.
     #[error("the velocity without friction has the entry {value}; it must be finite")]

@@ -191,7 +191,7 @@ pub enum IdentificationError {
     },
     /// Measurements at several poses given to an estimator for one.
     #[error(
-        "{row} is at another pose than {first} (joint {joint} differs by {by:.3e}); a Cartesian stiffness belongs to one \
+        "{row} is at a different pose from {first} (joint {joint} differs by {by:.3e}); a Cartesian stiffness belongs to one \
          pose: select the measurements of one, or fit joint springs"
     )]
     PosesDiffer {

@@ -238,7 +238,7 @@ fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result
     }
     // Loads of forces alone turn the tool, with no more moment than noise; that a moment is missing is told where it matters.
     if turned && rotation > 0.0 {
-        let remedy = "units off by 1000 or by 57: mrad or degrees for rad, kN·m or N·mm for N·m?";
+        let remedy = "are units wrong by 1000 or 57 (mrad or degrees for rad, kN·m or N·mm for N·m)?";
         within("moment per rotation", moment / rotation, MOMENT_PER_ROTATION, "N·m/rad", remedy)?;
     }
     if forced {

@@ -153,8 +153,10 @@ pub(super) fn springs(file: &RobotFile) -> Result<&Springs, StiffnessRunError> {
 
 /// The sensor of a robot file.
 pub(super) fn sensor(file: &RobotFile) -> Result<ForceSensor, StiffnessRunError> {
-    file.sensor
-        .ok_or(StiffnessRunError::Lacks { what: "[sensor]", remedy: "give its position, force_range and moment_range" })
+    file.sensor.ok_or(StiffnessRunError::Lacks {
+        what: "[sensor]",
+        remedy: "give its position, force_range, and moment_range",
+    })
 }
 
 /// Refuses forces far below the bias and the weight that the sensor carries.

@@ -37,8 +37,8 @@ pub enum StiffnessRunError {
     },
     /// Readings of force in other units.
     #[error(
-        "the sensor reads {found:.3} N in the median, bias and weight of [payload] alone are {expected:.1} N; units off by 1000: kN \
-         for N? (remove [payload] if the readings are free of it)"
+        "the median reading of the sensor is {found:.3} N, but bias and weight of [payload] alone are {expected:.1} N; are units off by 1000 (kN \
+         for N)? (remove [payload] if the readings are free of it)"
     )]
     Readings {
         /// Median of the readings (N).

@@ -38,18 +38,18 @@ pub(crate) enum MotionArg {
 /// Arguments of `plate`. Texts and numbers are checked with those of scenario files.
 #[derive(Args)]
 pub(crate) struct PlateArgs {
-    /// Experiment 1 (orientation), 2 (along x) or 3 (along y), or a scenario file (TOML) with the options below by name
+    /// Experiment 1 (orientation), 2 (along x), or 3 (along y), or a scenario file (TOML) with the options below by name
     what: Option<String>,
-    /// Experiment 1, 2 or 3
+    /// Experiment 1, 2, or 3
     #[arg(long, conflicts_with = "what", value_name = "N")]
     experiment: Option<String>,
     /// Frequency ω of experiment 2 in units of π [default: 3]
     #[arg(long, allow_negative_numbers = true)]
     omega: Option<f64>,
-    /// Model of the contact: published, point, reduced, area or body [default: area]
+    /// Model of the contact: published, point, reduced, area, or body [default: area]
     #[arg(long)]
     model: Option<String>,
-    /// disk:R, ellipse:AxB (semi-axes), rectangle:AxB (full side lengths) or polygon:FILE.csv (rows x,y); meters
+    /// disk:R, ellipse:AxB (semi-axes), rectangle:AxB (full side lengths), or polygon:FILE.csv (rows x,y); meters
     /// [default: disk:0.12]
     #[arg(long)]
     shape: Option<String>,
@@ -60,7 +60,7 @@ pub(crate) struct PlateArgs {
     #[arg(long, value_name = "KG", allow_negative_numbers = true)]
     mass: Option<f64>,
     /// Where the object presses on the plate: footprint, scaled:F (the footprint scaled about its center), ring:S (the rim
-    /// scaled), feet:x,y;x,y;… or map:FILE.csv (rows x,y,weight); meters from the center of the shape; model area only
+    /// scaled), feet:x,y;x,y;…, or map:FILE.csv (rows x,y,weight); meters from the center of the shape; model area only
     /// [default: footprint]
     #[arg(long)]
     bearing: Option<String>,
@@ -70,7 +70,7 @@ pub(crate) struct PlateArgs {
     /// Friction coefficient of sliding [default: 0.3]
     #[arg(long, allow_negative_numbers = true)]
     mu: Option<f64>,
-    /// Friction law: coulomb, static:MU_S, stribeck:MU_S,V, anisotropic:MU_Y or viscous:C; --mu sets the sliding friction
+    /// Friction law: coulomb, static:MU_S, stribeck:MU_S,V, anisotropic:MU_Y, or viscous:C; --mu sets the sliding friction
     /// [default: coulomb]
     #[arg(long)]
     friction: Option<String>,

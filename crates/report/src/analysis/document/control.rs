@@ -67,7 +67,7 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
         items.push(vec![text(format!("generic rank of A: {rank}{full}"))]);
     }
     if let Some(set) = &io.singular_set {
-        items.push(singular(set, "A is singular where ", "A is singular nowhere"));
+        items.push(singular(set, "A is singular where ", "A is nowhere singular"));
     }
     if let Some(feedback) = &io.decoupling_feedback {
         items.push(feedback_line("feedback that decouples the outputs: ", &feedback.0));
@@ -183,7 +183,7 @@ fn flatness(f: &FlatnessReport, out: &mut Vec<Block>) {
         ]);
     }
     if let Some(set) = &f.singular_set {
-        items.push(singular(set, "singular where ", "singular nowhere"));
+        items.push(singular(set, "singular where ", "nowhere singular"));
     }
     out.push(Block::List(items));
 }

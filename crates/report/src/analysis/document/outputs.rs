@@ -52,10 +52,12 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
         items.push(vec![text(format!("identifiability while all inputs are zero: unknown ({why})"))]);
     }
     items.extend(
-        o.unidentifiable_directions.iter().map(|d| direction("with unknown parameters no output changes along ", d)),
+        o.unidentifiable_directions
+            .iter()
+            .map(|d| direction("while parameters are unknown, no output changes along ", d)),
     );
     if let Some(fix) = o.fix_to_identify.as_ref().filter(|f| !f.is_empty()) {
-        let mut line = vec![text("all parameters are locally identifiable given ")];
+        let mut line = vec![text("all parameters are locally identifiable if these are known: ")];
         line.extend(listed(fix.iter().map(|n| symbol(n))));
         items.push(line);
     }
