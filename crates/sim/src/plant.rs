@@ -1,6 +1,6 @@
 //! A model in a control loop: inputs held constant from sample to sample.
 
-use crate::{InputError, Inputs, Mode, Model, Outcome, Settings, SimError, Statistics, Stepper};
+use crate::{InputError, Inputs, Mode, Model, Outcome, Settings, SimError, Statistics, Stepper, Trajectory};
 use bracketry_system::System;
 
 /// A [`System`] simulated from one control sample to the next with its inputs held constant, on exact stick and slip.
@@ -85,6 +85,16 @@ impl ExactPlant {
     /// [`PlantError`] for a state of the wrong length.
     pub fn set_state(&mut self, x: &[f64]) -> Result<(), PlantError> {
         Ok(self.stepper.set_state(self.stepper.time(), x)?)
+    }
+
+    /// Records the motion from here on.
+    pub fn start_recording(&mut self) {
+        self.stepper.start_recording();
+    }
+
+    /// The motion since [`ExactPlant::start_recording`], with its modes, across all that was held and every state that was set.
+    pub fn take_recording(&mut self) -> Trajectory {
+        self.stepper.take_recording()
     }
 
     /// Work done so far.

@@ -85,8 +85,30 @@ impl Trajectory {
         self.final_state.copy_from_slice(x);
     }
 
-    pub(crate) fn push_mode_change(&mut self, change: ModeChange) {
-        self.changes.push(change);
+    /// What differs between the modes before and after an instant.
+    pub(crate) fn push_mode_changes(&mut self, t: f64, before: &[Mode], after: &[Mode]) {
+        let both = before.iter().zip(after).enumerate().filter(|(_, (from, to))| from != to);
+        self.changes.extend(both.map(|(switch, (&from, &to))| ModeChange { t, switch, from, to }));
+    }
+
+    /// A smooth motion that begins at `t` in the state `x`, to be recorded by [`Trajectory::push_cubic`].
+    pub fn starting_at(t: f64, x: &[f64]) -> Self {
+        Self::new(t, x, &[])
+    }
+
+    /// Appends a piece from `t`, where the last one ends, to `t + h` (s), between two states with their time derivatives, by
+    /// Hermite's cubic. A jump of the state belongs to the piece after it. All slices have the length of the state.
+    pub fn push_cubic(&mut self, t: f64, h: f64, [x0, x1]: [&[f64]; 2], [dx0, dx1]: [&[f64]; 2]) {
+        self.pieces.push(Piece { t, h, directions: None });
+        let moved = |i: usize| x1[i] - x0[i];
+        let bent = |i: usize| h * dx0[i] - moved(i);
+        let coefficients = &mut self.coefficients;
+        coefficients.extend_from_slice(x0);
+        coefficients.extend((0..self.dim).map(moved));
+        coefficients.extend((0..self.dim).map(bent));
+        coefficients.extend((0..self.dim).map(|i| moved(i) - h * dx1[i] - bent(i)));
+        coefficients.extend((0..self.dim).map(|_| 0.0));
+        self.finish(t + h, x1);
     }
 
     /// The modes of all switches at the start.

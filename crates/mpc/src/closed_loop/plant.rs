@@ -4,7 +4,7 @@ use crate::dynamics::Dynamics;
 use crate::error::{PlantError, check_length, check_value};
 use crate::integrator::{Integrator, Interval};
 use crate::transcription::Shooter;
-use bracketry_sim::{DiscreteModel, ExactPlant, Model, NoRoot, Outcome, StopReason};
+use bracketry_sim::{DiscreteModel, ExactPlant, Model, NoRoot, Outcome, StopReason, Trajectory};
 
 /// The thing that is controlled.
 pub trait Plant {
@@ -20,12 +20,51 @@ pub struct RungeKuttaPlant {
     dynamics: Box<dyn Dynamics>,
     shooter: Shooter,
     substeps: usize,
+    recording: Option<Recording>,
+}
+
+/// A motion by steps, and memory for the ends of a step.
+struct Recording {
+    motion: Trajectory,
+    before: Vec<f64>,
+    slopes: [Vec<f64>; 2],
 }
 
 impl RungeKuttaPlant {
     /// A plant with `substeps` integration steps per call.
     pub fn new(dynamics: Box<dyn Dynamics>, substeps: usize) -> Self {
-        Self { shooter: Shooter::new(dynamics.as_ref(), Integrator::Rk4), dynamics, substeps: substeps.max(1) }
+        let shooter = Shooter::new(dynamics.as_ref(), Integrator::Rk4);
+        Self { shooter, dynamics, substeps: substeps.max(1), recording: None }
+    }
+
+    /// Records the motion from the state `x` at the time `t` on: the steps of the method, and Hermite's cubic between their ends.
+    pub fn start_recording(&mut self, t: f64, x: &[f64]) {
+        let motion = Trajectory::starting_at(t, x);
+        let slopes = [vec![0.0; x.len()], vec![0.0; x.len()]];
+        self.recording = Some(Recording { motion, before: x.to_vec(), slopes });
+    }
+
+    /// The motion since [`RungeKuttaPlant::start_recording`], which ends; none without it.
+    pub fn take_recording(&mut self) -> Option<Trajectory> {
+        self.recording.take().map(|recording| recording.motion)
+    }
+
+    /// One interval, and its record.
+    fn advance(&mut self, interval: Interval<'_>, x: &mut [f64]) {
+        let Self { dynamics, shooter, recording, .. } = self;
+        let Some(Recording { motion, before, slopes: [first, last] }) = recording else {
+            return shooter.advance(dynamics.as_mut(), interval, x);
+        };
+        let Interval { t, dt, substeps, u } = interval;
+        let h = dt / substeps as f64;
+        for k in 0..substeps {
+            let from = t + h * k as f64;
+            before.copy_from_slice(x);
+            dynamics.field(from, before, u, first);
+            shooter.advance(dynamics.as_mut(), Interval { t: from, dt: h, substeps: 1, u }, x);
+            dynamics.field(from + h, x, u, last);
+            motion.push_cubic(from, h, [before, x], [first, last]);
+        }
     }
 }
 
@@ -33,7 +72,7 @@ impl Plant for RungeKuttaPlant {
     /// # Errors
     /// [`PlantEquations`] where algebraic equations have no solution.
     fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
-        self.shooter.advance(self.dynamics.as_mut(), Interval { t, dt, substeps: self.substeps, u }, x);
+        self.advance(Interval { t, dt, substeps: self.substeps, u }, x);
         match self.dynamics.take_failure() {
             Some((t, failure)) if x.iter().any(|v| !v.is_finite()) => Err(Box::new(PlantEquations { t, failure })),
             _ => Ok(()),

@@ -3,13 +3,10 @@
 
 use super::control_problem::ControlProblem;
 use super::run::ControlRun;
-use crate::closed_loop::{Plant, RungeKuttaPlant};
+use crate::closed_loop::RungeKuttaPlant;
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
-use bracketry_sim::{
-    DiscreteModel, ExactPlant, Hold, ImplicitModel, InputError, Inputs, Model, Samples, Settings, SimError, Simulation,
-    simulate,
-};
+use bracketry_sim::{DiscreteModel, ExactPlant, Outcome, Settings, Simulation, Statistics, Trajectory};
 use bracketry_system::ZeroDenominator;
 
 /// A control problem that could not be run.
@@ -21,15 +18,9 @@ pub enum ControlError {
     /// The plant cannot be simulated.
     #[error(transparent)]
     Plant(#[from] bracketry_sim::PlantError),
-    /// The inputs do not fit the plant.
-    #[error(transparent)]
-    Input(#[from] InputError),
     /// The equations of the model or of the plant divide by zero everywhere.
     #[error(transparent)]
     Denominator(#[from] ZeroDenominator),
-    /// The recording was refused.
-    #[error(transparent)]
-    Sim(#[from] SimError),
 }
 
 /// A closed loop with what the plant did between the samples.
@@ -37,7 +28,7 @@ pub enum ControlError {
 pub struct Controlled {
     /// Figures, samples, plan.
     pub run: ControlRun,
-    /// The plant between the samples, with its modes: the applied inputs once more, recorded.
+    /// The motion of the plant in this loop, also between the samples, with its modes.
     pub recording: Simulation,
     /// Names of the plant's switching functions.
     pub switches: Vec<String>,
@@ -64,37 +55,33 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
     }
     // Delays act within a sample, which is for the simulator too.
     let delayed = problem.plant.delay_values().iter().any(|d| *d != Some(0.0));
-    let smooth = problem.plant.is_smooth() && !delayed;
-    let mut plant: Box<dyn Plant> = if smooth {
-        let dynamics = Box::new(SymbolicDynamics::new(&problem.plant)?);
-        Box::new(RungeKuttaPlant::new(dynamics, problem.plant_substeps))
-    } else {
-        Box::new(ExactPlant::new(&problem.plant, &problem.x0, &Settings::default())?)
-    };
-    let run = problem.run_disturbed(plant.as_mut(), |k, _| progress(k))?;
-    let mut inputs = Inputs::new();
-    let applied = &run.closed_loop.u;
-    for (i, name) in problem.plant.input_names().iter().enumerate() {
-        let mut times = run.closed_loop.t[..applied.len()].to_vec();
-        let mut values: Vec<f64> = applied.iter().map(|u| u[i]).collect();
-        if delayed {
-            // Nothing was commanded before the run.
-            times.insert(0, times.first().copied().unwrap_or(0.0) - problem.ocp.dt);
-            values.insert(0, 0.0);
-        }
-        inputs = inputs.samples(name, Samples::new(times, values, Hold::Previous)?);
+    if problem.plant.is_smooth() && !delayed {
+        return control_smooth(problem, progress);
     }
-    let end = run.closed_loop.t.last().copied().unwrap_or(0.0);
-    let settings = Settings { stop: problem.stop.clone(), ..Settings::default() };
-    if !problem.plant.algebraic.is_empty() {
-        let model = ImplicitModel::new(&problem.plant, &inputs)?;
-        let recording = simulate(model, 0.0, &problem.x0, end, &settings)?;
-        return Ok(Controlled { run, recording, switches: Vec::new() });
-    }
-    let model = Model::new(&problem.plant, &inputs)?;
-    let switches = model.switch_names().map(str::to_owned).collect();
-    let recording = simulate(model, 0.0, &problem.x0, end, &settings)?;
+    let mut plant = ExactPlant::new(&problem.plant, &problem.x0, &Settings::default())?;
+    plant.start_recording();
+    let run = problem.run_disturbed(&mut plant, |k, _| progress(k))?;
+    let switches = plant.model().switch_names().map(str::to_owned).collect();
+    let statistics = plant.statistics();
+    let recording = Simulation { trajectory: plant.take_recording(), outcome: Outcome::Finished, statistics };
     Ok(Controlled { run, recording, switches })
+}
+
+/// [`control_watched`] on a plant without switches.
+fn control_smooth(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
+    let dynamics = Box::new(SymbolicDynamics::new(&problem.plant)?);
+    let mut plant = RungeKuttaPlant::new(dynamics, problem.plant_substeps);
+    let start = problem.ocp.time(0, 0);
+    plant.start_recording(start, &problem.x0);
+    let run = problem.run_disturbed(&mut plant, |k, _| progress(k))?;
+    let steps = run.closed_loop.u.len() * problem.plant_substeps.max(1);
+    let trajectory = plant.take_recording().unwrap_or_else(|| Trajectory::starting_at(start, &problem.x0));
+    let recording = Simulation {
+        trajectory,
+        outcome: Outcome::Finished,
+        statistics: Statistics { steps, ..Statistics::default() },
+    };
+    Ok(Controlled { run, recording, switches: Vec::new() })
 }
 
 /// [`control_watched`] on a plant that is discrete in time.
@@ -106,7 +93,18 @@ fn control_map(
     let run = problem.run_disturbed(&mut map.clone(), |k, _| progress(k))?;
     let applied = &run.closed_loop.u;
     let held = (problem.ocp.dt / map.period()).round().max(1.0) as usize;
-    let start = run.closed_loop.t.first().copied().unwrap_or(0.0);
-    let recording = map.iterate(start, &problem.x0, held * applied.len(), |k, _| applied[k / held].clone());
+    let mut recording: Option<Simulation> = None;
+    for (k, u) in applied.iter().enumerate() {
+        let sample = map.iterate(run.closed_loop.t[k], &run.closed_loop.x[k], held, |_, _| u.clone());
+        match &mut recording {
+            Some(so_far) => {
+                so_far.trajectory.append(&sample.trajectory);
+                so_far.statistics.steps += sample.statistics.steps;
+                so_far.statistics.rhs += sample.statistics.rhs;
+            }
+            None => recording = Some(sample),
+        }
+    }
+    let recording = recording.unwrap_or_else(|| map.iterate(0.0, &problem.x0, 0, |_, _| Vec::new()));
     Ok(Controlled { run, recording, switches: Vec::new() })
 }

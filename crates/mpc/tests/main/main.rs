@@ -33,6 +33,7 @@ mod problem_file;
 mod problem_keys;
 mod problem_mistakes;
 mod random_loops;
+mod recording;
 mod riccati;
 mod scenarios;
 mod stop_flag;

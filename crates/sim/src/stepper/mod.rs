@@ -114,10 +114,14 @@ impl<S: Switched> Stepper<S> {
     /// [`SimError`] for a state of the wrong length or a time that is not finite.
     pub fn set_state(&mut self, t: f64, x: &[f64]) -> Result<(), SimError> {
         check_start(t, x, self.step.x.len())?;
+        let before = self.trajectory.is_some().then(|| self.field.modes.clone());
         self.step.t = t;
         self.step.x.copy_from_slice(x);
         self.guard.forget_events();
         self.any().guess_modes();
+        if let (Some(trajectory), Some(before)) = (&mut self.trajectory, before) {
+            trajectory.push_mode_changes(t, &before, &self.field.modes);
+        }
         Ok(())
     }
 
@@ -134,12 +138,22 @@ impl<S: Switched> Stepper<S> {
         if !t_end.is_finite() || t_end < self.step.t {
             return Err(SimError::BadTimeSpan { from: self.step.t, to: t_end });
         }
-        let start = Trajectory::new(self.step.t, &self.step.x, &self.field.modes);
-        self.trajectory = Some(start.clone());
+        self.start_recording();
         let outcome = self.advance(t_end);
-        let mut trajectory = self.trajectory.take().unwrap_or(start);
-        trajectory.finish(self.step.t, &self.step.x);
-        Ok((trajectory, outcome))
+        Ok((self.take_recording(), outcome))
+    }
+
+    /// Records the trajectory from here on, in place of one that is being recorded.
+    pub fn start_recording(&mut self) {
+        self.trajectory = Some(Trajectory::new(self.step.t, &self.step.x, &self.field.modes));
+    }
+
+    /// The trajectory since [`Stepper::start_recording`], which ends; without one, that of no time.
+    pub fn take_recording(&mut self) -> Trajectory {
+        let (t, x) = (self.step.t, &self.step.x);
+        let mut trajectory = self.trajectory.take().unwrap_or_else(|| Trajectory::new(t, x, &self.field.modes));
+        trajectory.finish(t, x);
+        trajectory
     }
 
     /// Records the path from here on, in place of what `path` holds.

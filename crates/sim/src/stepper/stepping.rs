@@ -3,7 +3,7 @@
 use super::Stepper;
 use crate::Switched;
 use crate::events::{Scan, gap_at_end};
-use crate::friction::{Mode, ModeChange, SIMULTANEOUS, resolve};
+use crate::friction::{Mode, SIMULTANEOUS, resolve};
 use crate::integrate::{Approach, Attempt, Control, Step, attempt};
 use crate::outcome::{Outcome, StopReason};
 use crate::sensitivity::FieldBefore;
@@ -98,11 +98,7 @@ impl Stepper<dyn Switched + '_> {
         }
         field.project(t, x);
         if let Some(trajectory) = &mut self.trajectory {
-            for (switch, (&from, &to)) in before.iter().zip(&field.modes).enumerate() {
-                if from != to {
-                    trajectory.push_mode_change(ModeChange { t, switch, from, to });
-                }
-            }
+            trajectory.push_mode_changes(t, before, &field.modes);
         }
         step.started = false;
         Ok(())
