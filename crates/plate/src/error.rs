@@ -47,6 +47,16 @@ pub enum PlateError {
         /// The number.
         value: f64,
     },
+    /// Equations that were not solved.
+    #[error(
+        "{what} was not found (relative error left: {left:.1e}); choose other numbers of points or shorter steps, and report the case"
+    )]
+    NotConverged {
+        /// What was sought.
+        what: &'static str,
+        /// What is left of its equations, in units of what is balanced.
+        left: f64,
+    },
     /// Too few points for a footprint.
     #[error("{count} points cannot cover a footprint; ask for at least {least}")]
     TooFewPoints {

@@ -133,7 +133,8 @@ impl AreaContact {
     /// Simulates to `t_end`.
     ///
     /// # Errors
-    /// [`PlateError::BadState`] if `t_end` is not finite or lies in the past. What ends the contact is an outcome.
+    /// [`PlateError::BadState`] if `t_end` is not finite or lies in the past, [`PlateError::NotConverged`] if the equations of
+    /// the shortest step were not solved. What ends the contact is an outcome.
     pub fn advance<M: PlateMotion + ?Sized>(&mut self, motion: &mut M, t_end: f64) -> Result<AreaOutcome, PlateError> {
         self.advance_with(motion, t_end, |_| ())
     }
@@ -178,8 +179,23 @@ impl AreaContact {
         Ok(AreaOutcome::Finished)
     }
 
+    /// One step to the time `to`, or a shorter one where friction that falls with speed lets so long a step end in several ways.
+    fn step<M: PlateMotion + ?Sized>(
+        &mut self,
+        motion: &mut M,
+        mut to: f64,
+    ) -> Result<Option<AreaOutcome>, PlateError> {
+        for _ in 0..HALVINGS {
+            match self.attempt(motion, to) {
+                Err(PlateError::NotConverged { .. }) => to = self.t + 0.5 * (to - self.t),
+                done => return done,
+            }
+        }
+        self.attempt(motion, to)
+    }
+
     /// One step to the time `to`, or to where the object stops before; the outcome if contact ends.
-    fn step<M: PlateMotion + ?Sized>(&mut self, motion: &mut M, to: f64) -> Result<Option<AreaOutcome>, PlateError> {
+    fn attempt<M: PlateMotion + ?Sized>(&mut self, motion: &mut M, to: f64) -> Result<Option<AreaOutcome>, PlateError> {
         let scheme = self.settings.scheme;
         let mut trial = match scheme {
             Scheme::Euler => self.euler(motion, to)?,

@@ -1,10 +1,17 @@
 //! Pressure between a flat object and the plate.
 
+use nalgebra::{Matrix3, Vector3};
+
 use crate::object::Patch;
 use crate::{Object, PlateError};
 
 /// Most Newton steps for a pressure that does not pull.
-const STEPS: usize = 60;
+const STEPS: usize = 200;
+/// Force and moments, in units of the force and the size, that a pressure may leave where rounding does not let it balance them better.
+const BALANCED: f64 = 1e-9;
+/// Curvature added to Newton's method, in proportion to the force and the moments left: without it, nothing holds a pressure where
+/// fewer than three points carry.
+const DAMPING: f64 = 1e-3;
 
 /// What the plate has to carry: normal force and its moments about the center of mass, all per mass, in the object's own axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +35,7 @@ pub enum Support {
         /// Share of the weight of the points with pressure.
         share: f64,
     },
-    /// The center of pressure is so near the rim that one point there carries everything.
+    /// The center of pressure lies between the outermost points of the footprint and its rim: one point there carries everything.
     Edge {
         /// The center of pressure from the center of mass, own axes, in m.
         at: [f64; 2],
@@ -87,11 +94,14 @@ impl Footprint {
     }
 
     /// Finds the pressure that carries the load. At an [`Support::Edge`] no point of the footprint carries anything.
-    pub fn carry(&mut self, load: &Load) -> Support {
+    ///
+    /// # Errors
+    /// [`PlateError::NotConverged`] if no pressure was found although there is one.
+    pub fn carry(&mut self, load: &Load) -> Result<Support, PlateError> {
         let n = load.normal;
         if n <= 0.0 || !n.is_finite() {
             self.loads.fill(0.0);
-            return Support::LiftOff;
+            return Ok(Support::LiftOff);
         }
         let at = load.moments.map(|m| m / n);
         let slope = self.patch.slope(at);
@@ -101,21 +111,22 @@ impl Footprint {
         let affine = [middle, slope[0] * self.patch.size, slope[1] * self.patch.size];
         if least >= 0.0 {
             self.spread(n, &affine);
-            return Support::Full { least };
+            return Ok(Support::Full { least });
         }
         let rim_share = self.patch.rim_share(at);
         if rim_share >= 1.0 {
             self.loads.fill(0.0);
-            return Support::Tipping { at, rim_share };
+            return Ok(Support::Tipping { at, rim_share });
         }
-        if let Some(pressure) = self.unilateral(at, affine) {
-            self.last = pressure;
-            self.spread(n, &pressure);
-            let carrying = self.loads.iter().zip(&self.patch.rule.weights).filter(|(load, _)| **load > 0.0);
-            return Support::Partial { share: carrying.map(|(_, weight)| weight).sum() };
+        if !self.patch.is_inside(at) {
+            self.loads.fill(0.0);
+            return Ok(Support::Edge { at });
         }
-        self.loads.fill(0.0);
-        Support::Edge { at }
+        let pressure = self.unilateral(at, affine)?;
+        self.last = pressure;
+        self.spread(n, &pressure);
+        let carrying = self.loads.iter().zip(&self.patch.rule.weights).filter(|(load, _)| **load > 0.0);
+        Ok(Support::Partial { share: carrying.map(|(_, weight)| weight).sum() })
     }
 
     /// Loads of the pressure `max(0, a + b x + c y)` over the mean, coefficients for lengths in `size`.
@@ -126,63 +137,58 @@ impl Footprint {
         }
     }
 
-    /// Pressure `max(0, z · (1, x, y))` with mean 1 and center of pressure `at`: the minimum of the convex function
-    /// `½ Σ w max(0, z · r)² − z · (1, at)`, by Newton's method. Absent if `at` lies outside the hull of the points.
-    fn unilateral(&self, at: [f64; 2], affine: [f64; 3]) -> Option<[f64; 3]> {
-        let target = [1.0, at[0] / self.patch.size, at[1] / self.patch.size];
-        let evaluate = |z: &[f64; 3]| {
-            let (mut value, mut gradient, mut hessian) = (0.0, target.map(|t| -t), [[0.0; 3]; 3]);
+    /// Pressure `max(0, z · (1, x, y))` with mean 1 and center of pressure `at`, a point inside the hull of the points: the minimum of
+    /// the convex function `½ Σ w max(0, z · r)² − z · (1, at)`, by Newton's method with a curvature added that vanishes with the
+    /// gradient.
+    fn unilateral(&self, at: [f64; 2], affine: [f64; 3]) -> Result<[f64; 3], PlateError> {
+        let target = Vector3::new(1.0, at[0] / self.patch.size, at[1] / self.patch.size);
+        let evaluate = |z: &Vector3<f64>| {
+            let (mut value, mut gradient, mut hessian) = (0.0, -target, Matrix3::zeros());
             for ([x, y], weight) in self.patch.rule.points.iter().zip(&self.patch.rule.weights) {
-                let r = [1.0, x / self.patch.size, y / self.patch.size];
-                let pressure = z[0] + z[1] * r[1] + z[2] * r[2];
+                let r = Vector3::new(1.0, x / self.patch.size, y / self.patch.size);
+                let pressure = z.dot(&r);
                 if pressure > 0.0 {
                     value += 0.5 * weight * pressure * pressure;
-                    for i in 0..3 {
-                        gradient[i] += weight * pressure * r[i];
-                        for j in 0..3 {
-                            hessian[i][j] += weight * r[i] * r[j];
-                        }
-                    }
+                    gradient += r * (weight * pressure);
+                    hessian.ger(*weight, &r, &r, 1.0);
                 }
             }
-            (value - z[0] * target[0] - z[1] * target[1] - z[2] * target[2], gradient, hessian)
+            (value - z.dot(&target), gradient, hessian)
         };
-        let mut z = if evaluate(&self.last).0 < evaluate(&affine).0 { self.last } else { affine };
+        let (last, affine) = (Vector3::from(self.last), Vector3::from(affine));
+        let mut z = if evaluate(&last).0 < evaluate(&affine).0 { last } else { affine };
         let mut here = evaluate(&z);
         for _ in 0..STEPS {
-            let (value, gradient, hessian) = here;
-            if gradient.iter().all(|g| g.abs() < 1e-13) {
-                return Some(z);
+            let (value, gradient, mut hessian) = here;
+            let left = gradient.amax();
+            if left < 1e-13 {
+                return Ok(z.into());
             }
-            let step = solve3(hessian, gradient)?;
-            let descent: f64 = gradient.iter().zip(step).map(|(g, s)| g * s).sum();
+            for i in 0..3 {
+                hessian[(i, i)] += DAMPING * left;
+            }
+            let Some(factor) = hessian.cholesky() else { break };
+            let step = factor.solve(&gradient);
+            let descent = gradient.dot(&step);
             let mut length = 1.0;
-            loop {
-                let trial = [0, 1, 2].map(|i| z[i] - length * step[i]);
+            let next = loop {
+                let trial = z - step * length;
                 let there = evaluate(&trial);
                 if there.0 <= value - 1e-4 * length * descent + 1e-15 * value.abs() {
-                    (z, here) = (trial, there);
-                    break;
+                    break Some((trial, there));
                 }
                 length *= 0.5;
-                if length < 1e-6 {
-                    return None;
+                if length < 1e-9 {
+                    break None;
                 }
-            }
+            };
+            let Some(next) = next else { break };
+            (z, here) = next;
         }
-        None
+        let left = here.1.amax();
+        if left <= BALANCED {
+            return Ok(z.into());
+        }
+        Err(PlateError::NotConverged { what: "the pressure under the object", left })
     }
-}
-
-/// Solves a symmetric positive definite system of three; absent if it is singular.
-fn solve3(m: [[f64; 3]; 3], b: [f64; 3]) -> Option<[f64; 3]> {
-    let minor = |i: usize, j: usize| {
-        let (p, q) = ((i + 1) % 3, (i + 2) % 3);
-        let (r, s) = ((j + 1) % 3, (j + 2) % 3);
-        m[p][r] * m[q][s] - m[p][s] * m[q][r]
-    };
-    let determinant: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
-    let size = m[0][0] * m[1][1] * m[2][2];
-    (determinant > 1e-13 * size)
-        .then(|| [0, 1, 2].map(|j| (0..3).map(|i| minor(i, j) * b[i]).sum::<f64>() / determinant))
 }

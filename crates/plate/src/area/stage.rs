@@ -156,6 +156,9 @@ impl Equations {
     ///
     /// Friction follows from the pressure by maximum dissipation ([`FrictionSolver`]); the pressure follows from velocity
     /// and friction. The two are found in turn until they agree.
+    ///
+    /// # Errors
+    /// [`PlateError::NotConverged`] where they do not: where friction falls fast with speed, a long step has several ends.
     pub(super) fn stage(&mut self, plate: &PlateKinematics, base: &Base, before: &Stage) -> Result<Stage, PlateError> {
         let mut friction = before.friction;
         let mut velocity = base.velocity;
@@ -169,7 +172,7 @@ impl Equations {
             let position = add(&base.position, base.length, &velocity);
             let load = self.load(plate, &position, &velocity, &friction);
             let drive = self.drive(plate, &position);
-            let support = self.footprint.carry(&load);
+            let support = self.footprint.carry(&load)?;
             let (s, c) = position[2].sin_cos();
             let stage = |velocity, friction, slip| {
                 let [x, y] = load.moments.map(|m| m / load.normal);
@@ -211,9 +214,13 @@ impl Equations {
                 (new[0] - velocity[0]).abs().max((new[1] - velocity[1]).abs()).max(size * (new[2] - velocity[2]).abs());
             let forced = base.length * (force[0] - friction[0]).hypot(force[1] - friction[1]) * self.height / size;
             round += 1;
-            if (moved <= tolerance && forced <= tolerance) || round == ROUNDS {
+            if moved <= tolerance && forced <= tolerance {
                 let position = add(&base.position, base.length, &new);
                 return Ok(Stage { position, ..stage(new, force, step.slip) });
+            }
+            if round == ROUNDS {
+                let left = moved.max(forced) / (self.gravity * base.length);
+                return Err(PlateError::NotConverged { what: "the friction of a step", left });
             }
             let share = if round < DAMPED { 1.0 } else { 0.5 };
             for i in 0..3 {
@@ -247,8 +254,9 @@ impl Equations {
         } else {
             // Viscous friction is part of the mass matrix but not of the momentum.
             let momentum = Vector3::new(free[0], free[1], free[2] * self.inertia);
-            let pulled = Matrix3::from(mass).cholesky().map_or(momentum, |factor| factor.solve(&momentum));
-            pulled.into()
+            let pulled = Matrix3::from(mass).cholesky().map(|factor| factor.solve(&momentum));
+            let what = "the velocity under viscous friction";
+            pulled.ok_or(PlateError::NotConverged { what, left: f64::INFINITY })?.into()
         };
         Ok(self.solver.step(&mass, &pulled, &self.points, velocity)?)
     }

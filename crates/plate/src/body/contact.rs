@@ -95,7 +95,8 @@ impl ContactSolver {
         let mut guess = *free;
         for _ in 0..ROUNDS {
             let pushed = free + inverse * self.friction;
-            let held = normal_impulses(mass, &pushed, &self.normals, &self.targets, &self.weights, &mut self.impulses);
+            let (held, left) =
+                normal_impulses(mass, &pushed, &self.normals, &self.targets, &self.weights, &mut self.impulses);
             for (k, contact) in contacts.iter().enumerate() {
                 self.points.set_bound(k, contact.coefficient * self.impulses[k]);
             }
@@ -111,7 +112,7 @@ impl ContactSolver {
                 since += 1;
             }
             if change <= TOLERANCE * scale || (since >= STALLED && change <= ACCEPTED * scale) {
-                return Ok(Impulses { velocity, normal: self.impulses.iter().sum(), converged: true });
+                return Ok(Impulses { velocity, normal: self.impulses.iter().sum(), converged: left <= ACCEPTED });
             }
             if let Some(before) = last {
                 let change = residual - before;
@@ -123,7 +124,7 @@ impl ContactSolver {
             self.friction += residual * relaxation;
             last = Some(residual);
         }
-        let velocity = normal_impulses(
+        let (velocity, _) = normal_impulses(
             mass,
             &(free + inverse * self.friction),
             &self.normals,

@@ -4,7 +4,9 @@ use nalgebra::{Matrix6, Vector6};
 
 /// Stiffness of the regularization against the mass of the body.
 const STIFFNESS: f64 = 1e6;
-/// Violation of the conditions that is left, relative to the velocities at work.
+/// Most rounds of the method of multipliers.
+const ROUNDS: usize = 60;
+/// Violation of the conditions at which it ends, relative to the velocities at work.
 const TOLERANCE: f64 = 1e-14;
 
 /// Solves `M (v − v*) = Σ λ_k n_k` with `0 ≤ λ_k ⊥ n_k·v − b_k ≥ 0`.
@@ -14,7 +16,8 @@ const TOLERANCE: f64 = 1e-14;
 /// started at `λ = 0` (Rockafellar 1976), whose inner problems, piecewise quadratic in the six velocities, Newton's method
 /// with a line search solves in finitely many steps.
 ///
-/// Returns the velocity; the impulses go into `impulses`.
+/// Returns the velocity and the violation of the conditions that is left, relative to the velocities at work; the impulses go into
+/// `impulses`.
 pub(super) fn normal_impulses(
     mass: &Matrix6<f64>,
     free: &Vector6<f64>,
@@ -22,15 +25,16 @@ pub(super) fn normal_impulses(
     targets: &[f64],
     weights: &[f64],
     impulses: &mut Vec<f64>,
-) -> Vector6<f64> {
+) -> (Vector6<f64>, f64) {
     impulses.clear();
     impulses.resize(normals.len(), 0.0);
     let scale = free.amax().max(targets.iter().fold(0.0, |a: f64, b| a.max(b.abs())));
     let mut v = *free;
     if scale == 0.0 {
-        return v;
+        return (v, 0.0);
     }
-    for _ in 0..60 {
+    let mut left = f64::INFINITY;
+    for _ in 0..ROUNDS {
         v = inner(mass, free, normals, targets, weights, impulses, v);
         let mut violation = 0.0_f64;
         for (((n, b), w), impulse) in normals.iter().zip(targets).zip(weights).zip(impulses.iter_mut()) {
@@ -38,11 +42,12 @@ pub(super) fn normal_impulses(
             violation = violation.max((next - *impulse).abs() / (STIFFNESS * w));
             *impulse = next;
         }
-        if violation <= TOLERANCE * scale {
+        left = violation / scale;
+        if left <= TOLERANCE {
             break;
         }
     }
-    v
+    (v, left)
 }
 
 /// Minimizes `½ |v − v*|²_M + Σ max(0, λ_k + κ_k (b_k − n_k·v))²/(2κ_k)` from `start`.
@@ -116,8 +121,8 @@ mod tests {
         let normals = [normal(1.0, 1.0), normal(-1.0, 1.0), normal(-1.0, -1.0), normal(1.0, -1.0)];
         let free = Vector6::new(0.3, 0.0, -2.0, 0.0, 0.0, 1.0);
         let mut impulses = Vec::new();
-        let v = normal_impulses(&mass(), &free, &normals, &[0.0; 4], &[1.0; 4], &mut impulses);
-        assert!((v - Vector6::new(0.3, 0.0, 0.0, 0.0, 0.0, 1.0)).amax() < 1e-13);
+        let (v, left) = normal_impulses(&mass(), &free, &normals, &[0.0; 4], &[1.0; 4], &mut impulses);
+        assert!(left <= TOLERANCE && (v - Vector6::new(0.3, 0.0, 0.0, 0.0, 0.0, 1.0)).amax() < 1e-13);
         for impulse in impulses {
             assert!((impulse - 0.5).abs() < 1e-12);
         }
@@ -128,7 +133,8 @@ mod tests {
         let normals: Vec<_> = (0..12).map(|k| f64::from(k) * 0.7).map(|a| normal(a.cos(), 0.5 * a.sin())).collect();
         let free = Vector6::new(0.0, 0.0, -1.0, 2.0, -3.0, 0.5);
         let mut impulses = Vec::new();
-        let v = normal_impulses(&mass(), &free, &normals, &[0.0; 12], &[1.0; 12], &mut impulses);
+        let (v, left) = normal_impulses(&mass(), &free, &normals, &[0.0; 12], &[1.0; 12], &mut impulses);
+        assert!(left <= TOLERANCE);
         let mut sum = mass() * (v - free);
         for (n, impulse) in normals.iter().zip(&impulses) {
             let speed = n.dot(&v);

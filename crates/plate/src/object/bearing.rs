@@ -92,7 +92,7 @@ impl Bearing {
 }
 
 /// The corners of the convex hull, counter-clockwise (Andrew 1979).
-fn convex_hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+pub(super) fn convex_hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|p, q| p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])));
     let chain = |points: &mut dyn Iterator<Item = &[f64; 2]>| {

@@ -1,10 +1,13 @@
 //! Where and how an object presses on the plate, about its center of mass.
 
-use super::bearing::Bearing;
+use super::bearing::{Bearing, convex_hull};
 use super::prism::Object;
 use super::quadrature::Quadrature;
 use super::shape::Shape;
 use crate::PlateError;
+
+/// Distance from the hull of the points, in sizes of the patch, below which a point inside counts as on it.
+const INSIDE: f64 = 1e-9;
 
 /// The contact of an object with the plate, about its center of mass.
 ///
@@ -32,6 +35,8 @@ pub(crate) struct Patch {
     pub(crate) hull: Shape,
     pub(crate) scale: f64,
     pub(crate) center: [f64; 2],
+    /// The corners of the convex hull of the points, counter-clockwise, from the center of mass, in m.
+    corners: Vec<[f64; 2]>,
 }
 
 impl Patch {
@@ -54,7 +59,17 @@ impl Patch {
             return Err(PlateError::BadNumber { name: "second moments of the bearing", value: determinant });
         }
         let inverse = [yy / determinant, -xy / determinant, xx / determinant];
-        Ok(Self { rule, mean, inverse, size: (xx + yy).sqrt(), as_mass, hull, scale, center })
+        let corners = convex_hull(&rule.points);
+        Ok(Self { rule, mean, inverse, size: (xx + yy).sqrt(), as_mass, hull, scale, center, corners })
+    }
+
+    /// Whether a point from the center of mass lies inside the hull of the points, by more than rounding.
+    pub(crate) fn is_inside(&self, at: [f64; 2]) -> bool {
+        let next = self.corners.iter().cycle().skip(1);
+        self.corners.iter().zip(next).all(|(p, q)| {
+            let (along, to) = ([q[0] - p[0], q[1] - p[1]], [at[0] - p[0], at[1] - p[1]]);
+            along[0] * to[1] - along[1] * to[0] > INSIDE * self.size * along[0].hypot(along[1])
+        })
     }
 
     /// Slope of the pressure over the mean for a center of pressure `at` from the center of mass: `C⁻¹ (at − r̄)`.

@@ -5,6 +5,7 @@ use bracketry_plate::{
     AreaContact, AreaOutcome, AreaSettings, Bearing, BodyOnPlate, BodySettings, Footprint, Friction, Load, Object,
     PlateError, PlateKinematics, RoundedContact, Shape, Support, Terms, reduced,
 };
+use proptest::prelude::*;
 
 const DISK: Object = Object { height: 0.0, ..Object::REFERENCE };
 const RADIUS: f64 = 0.12;
@@ -40,7 +41,7 @@ fn the_pressure_balances_normal_force_and_moments_about_the_center_of_mass() {
         let mut footprint = Footprint::new(&object, 48).unwrap();
         for moments in [[0.0, 0.0], [0.05, -0.03], [-0.1, 0.06], [0.25, 0.1]] {
             let load = Load { normal: 9.0, moments };
-            let support = footprint.carry(&load);
+            let support = footprint.carry(&load).unwrap();
             assert!(matches!(support, Support::Full { .. } | Support::Partial { .. }), "{object:?} {support:?}");
             let points = || footprint.points().iter().zip(footprint.loads());
             let normal: f64 = points().map(|(_, load)| load).sum();
@@ -199,4 +200,33 @@ fn a_bearing_without_meaning_or_unknown_to_a_model_is_refused() {
     assert_eq!(reduced(&inner, 0.3, Terms::default()).err(), Some(PlateError::UnevenBearing));
     let body = BodyOnPlate::new(&inner, &Friction::Coulomb { mu: 0.3 }, &BodySettings::default());
     assert_eq!(body.err(), Some(PlateError::UnevenBearing));
+}
+
+proptest! {
+    /// Any mean of the points with positive weights is the center of a pressure that does not pull. Where few points carry, as two
+    /// opposite feet of four, they do, not a point between them.
+    #[test]
+    fn a_center_inside_the_points_is_carried_by_points(
+        bearing in prop::sample::select(bearings()),
+        count in 1usize..4,
+        picked in prop::collection::vec((any::<prop::sample::Index>(), 0.05f64..1.0), 3),
+        normal in 0.1f64..20.0,
+    ) {
+        let object = Object { shape: Shape::REFERENCE_ELLIPSE, bearing, ..DISK };
+        let mut footprint = Footprint::new(&object, 48).unwrap();
+        let points = footprint.points().to_vec();
+        // Most at a few of the points, and a little everywhere.
+        let mut weights = vec![1e-3 / points.len() as f64; points.len()];
+        for (index, weight) in &picked[..count] {
+            weights[index.index(points.len())] += weight;
+        }
+        let all: f64 = weights.iter().sum();
+        let moments = [0, 1].map(|i| points.iter().zip(&weights).map(|(p, w)| normal * w * p[i]).sum::<f64>() / all);
+        let support = footprint.carry(&Load { normal, moments }).unwrap();
+        prop_assert!(matches!(support, Support::Full { .. } | Support::Partial { .. }), "{support:?}");
+        let sum = |f: &dyn Fn(&[f64; 2]) -> f64| points.iter().zip(footprint.loads()).map(|(p, l)| l * f(p)).sum::<f64>();
+        prop_assert!((sum(&|_| 1.0) - normal).abs() < 1e-8 * normal);
+        prop_assert!((sum(&|p| p[0]) - moments[0]).abs() < 1e-9 * normal && (sum(&|p| p[1]) - moments[1]).abs() < 1e-9 * normal);
+        prop_assert!(footprint.loads().iter().all(|l| *l >= 0.0));
+    }
 }
