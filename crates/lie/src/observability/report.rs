@@ -68,6 +68,9 @@ pub struct ObservabilityReport {
     /// Why `identifiable_without_inputs` is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undecided_without_inputs: Option<Reason>,
+    /// Why fields along which no output changes are missing from `unobservable_directions` or `unidentifiable_directions`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undecided_directions: Option<Reason>,
     /// Why something is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<Reason>,
@@ -238,7 +241,8 @@ impl ObservabilityReport {
         self.rank = Answer::Known(o.rank());
         self.unobservable =
             o.variables.iter().zip(&yes).filter(|v| !v.1).map(|(&s, _)| pool.name(s).to_owned()).collect();
-        self.unobservable_directions = directions(pool, &o, evidence);
+        let fields = o.unobservable_directions(pool, evidence);
+        self.unobservable_directions = self.directions(pool, &o.variables, fields);
         Ok(())
     }
 
@@ -253,7 +257,7 @@ impl ObservabilityReport {
         self.rank = Answer::Known(found.rank);
         let open = found.variables.iter().zip(&found.determined).filter(|v| !v.1);
         self.unobservable = open.map(|(&s, _)| pool.name(s).to_owned()).collect();
-        self.unobservable_directions = named_directions(pool, &found.variables, &found.directions);
+        self.unobservable_directions = self.directions(pool, &found.variables, found.directions);
         Ok(())
     }
 
@@ -285,7 +289,8 @@ impl ObservabilityReport {
         }
         self.identifiable = Some(Named(identifiable));
         self.identifiable_states = Some(Named(states));
-        self.unidentifiable_directions = directions(pool, &o, evidence);
+        let fields = o.unobservable_directions(pool, evidence);
+        self.unidentifiable_directions = self.directions(pool, &o.variables, fields);
         Ok(())
     }
 
@@ -313,8 +318,30 @@ impl ObservabilityReport {
         self.fix_to_identify = identifiable.iter().any(|p| !p.1).then(|| found.fix.iter().map(name).collect());
         self.identifiable = Some(Named(identifiable));
         self.identifiable_states = Some(Named(states));
-        self.unidentifiable_directions = named_directions(pool, &found.variables, &found.directions);
+        self.unidentifiable_directions = self.directions(pool, &found.variables, found.directions);
         Ok(())
+    }
+
+    /// The fields with what their flows do; where they are not known, why.
+    fn directions(
+        &mut self,
+        pool: &mut Pool,
+        variables: &[Symbol],
+        fields: Result<Vec<Field>, Undecided>,
+    ) -> Vec<Direction> {
+        match fields {
+            Ok(fields) => fields
+                .iter()
+                .map(|field| Direction {
+                    field: Operator::new(pool, variables, field),
+                    symmetry: Symmetry::of(pool, variables, field),
+                })
+                .collect(),
+            Err(why) => {
+                self.undecided_directions.get_or_insert(why.into());
+                Vec::new()
+            }
+        }
     }
 }
 
@@ -352,18 +379,4 @@ fn named_answers(
 ) -> Result<Vec<(String, bool)>, Undecided> {
     let yes = o.determined_variables(pool, evidence)?;
     Ok(o.variables.iter().map(|&s| pool.name(s).to_owned()).zip(yes).collect())
-}
-
-/// None where the fields cannot be found.
-fn directions(pool: &mut Pool, o: &Observability, evidence: &mut Evidence) -> Vec<Direction> {
-    let fields = o.unobservable_directions(pool, evidence).unwrap_or_default();
-    named_directions(pool, &o.variables, &fields)
-}
-
-fn named_directions(pool: &mut Pool, variables: &[Symbol], fields: &[Field]) -> Vec<Direction> {
-    let named = fields.iter().map(|field| Direction {
-        field: Operator::new(pool, variables, field),
-        symmetry: Symmetry::of(pool, variables, field),
-    });
-    named.collect()
 }

@@ -54,8 +54,9 @@ pub(crate) struct Sensitivity {
     pub(crate) functions: Vec<bool>,
     /// The first of the unknown parameters that, once known, make the outputs determine all of them.
     pub(crate) fix: Vec<Symbol>,
-    /// Independent translations and scalings along which no output changes; there may be other symmetries.
-    pub(crate) directions: Vec<Field>,
+    /// Independent translations and scalings along which no output changes; there may be other symmetries. An error where a point
+    /// could not be evaluated.
+    pub(crate) directions: Result<Vec<Field>, Undecided>,
 }
 
 /// What one prime says.
@@ -113,7 +114,7 @@ impl Asked<'_> {
             (None, Some(why)) => return Err(why.into()),
             (None, None) => return Err(bracketry_symbolic::Undecided::NoPoint.into()),
         };
-        let directions = symmetries(pool, &program, &variables, &agreed).unwrap_or_default();
+        let directions = symmetries(pool, &program, &variables, &agreed);
         Ok(Sensitivity {
             rank: agreed.rank,
             determined: agreed.determined,
@@ -211,14 +212,21 @@ fn symmetries(
         }
     }
     let Some(last) = last.filter(|_| idle == IDLE_POINTS) else { return Ok(Vec::new()) };
-    let check = at::<1>(pool, program, SEED ^ (MAX_POINTS + 1)).ok();
+    let rational = |v: Vec<Residue<SECOND_PRIME>>| {
+        let constants = v.iter().map(|c| c.to_rational(BOUND)).collect::<Option<Vec<Rational>>>()?;
+        Some((v, constants))
+    };
+    let candidates: Vec<_> = equations.nullspace().into_iter().filter_map(rational).collect();
+    let holds = match hold::<1>(pool, program, &moving, &candidates) {
+        // This field lacks a root that is needed.
+        Err(Undecided::Exact(why)) if why.needs_other_prime() => {
+            hold::<THIRD_PRIME>(pool, program, &moving, &candidates)?
+        }
+        other => other?,
+    };
     let mut independent = Echelon::empty(m);
     let mut fields = Vec::new();
-    for v in equations.nullspace() {
-        let Some(constants) = v.iter().map(|c| c.to_rational(BOUND)).collect::<Option<Vec<Rational>>>() else {
-            continue;
-        };
-        let holds = check.as_ref().is_some_and(|here| vanishes(here, &moving, &constants));
+    for ((v, constants), holds) in candidates.into_iter().zip(holds) {
         let here = (0..m).map(|j| v[j] * last.point[moving[j]] + v[m + j]).collect();
         if !holds || !independent.insert(here) {
             continue;
@@ -243,6 +251,17 @@ fn symmetries(
 fn affine_rows<const C: u64>(here: &At<C>, moving: &[usize]) -> Vec<Vec<Residue<C>>> {
     let scaled = |row: &Vec<Residue<C>>| moving.iter().map(|&i| row[i] * here.point[i]).collect::<Vec<_>>();
     here.span.rows.iter().map(|row| [scaled(row), moving.iter().map(|&i| row[i]).collect()].concat()).collect()
+}
+
+/// Whether the equations at another point, modulo another prime, hold for the constants of each candidate.
+fn hold<const C: u64>(
+    pool: &mut Pool,
+    program: &SeriesProgram,
+    moving: &[usize],
+    candidates: &[(Vec<Residue<SECOND_PRIME>>, Vec<Rational>)],
+) -> Result<Vec<bool>, Undecided> {
+    let here = at::<C>(pool, program, SEED ^ (MAX_POINTS + 1))?;
+    Ok(candidates.iter().map(|(_, constants)| vanishes(&here, moving, constants)).collect())
 }
 
 /// Whether the equations at a point hold for these constants.
@@ -308,7 +327,7 @@ mod tests {
             assert_eq!(found.determined, determined, "case {case}");
             assert_eq!(found.functions[0], o.determines(&mut pool, asked, &mut evidence).unwrap(), "case {case}");
             assert!(fix.is_none_or(|fix| fix == found.fix), "case {case}");
-            for direction in &found.directions {
+            for direction in found.directions.as_ref().unwrap() {
                 for form in &o.codistribution {
                     let terms: Vec<Expr> = form.iter().zip(direction).map(|(&w, &x)| pool.mul(w, x)).collect();
                     let value = pool.sum(terms);

@@ -377,6 +377,9 @@ fn observability(f: &mut String, r: &ObservabilityReport, of: &str) -> fmt::Resu
     for d in r.unidentifiable_directions.iter().filter(|d| !r.unobservable_directions.contains(d)) {
         writeln!(f, "  while parameters are unknown, no output changes along {}", direction(d))?;
     }
+    if let Some(why) = &r.undecided_directions {
+        writeln!(f, "  directions along which no output changes: unknown ({why})")?;
+    }
     if let Some(fix) = &r.fix_to_identify {
         writeln!(f, "  all parameters are locally identifiable if these are known: {}", joined(fix, ", "))?;
     }

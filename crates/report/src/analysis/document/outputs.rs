@@ -56,6 +56,9 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
             .iter()
             .map(|d| direction("while parameters are unknown, no output changes along ", d)),
     );
+    if let Some(why) = &o.undecided_directions {
+        items.push(vec![text(format!("directions along which no output changes: unknown ({why})"))]);
+    }
     if let Some(fix) = o.fix_to_identify.as_ref().filter(|f| !f.is_empty()) {
         let mut line = vec![text("all parameters are locally identifiable if these are known: ")];
         line.extend(listed(fix.iter().map(|n| symbol(n))));
