@@ -7,7 +7,8 @@ use std::path::Path;
 use toml::Table;
 
 /// The layers from the lowest up: each crate may use those before it.
-const LAYERS: [&str; 20] = [
+const LAYERS: [&str; 21] = [
+    "bracketry-numerics",
     "bracketry-symbolic",
     "bracketry-files",
     "bracketry-plot",

@@ -15,7 +15,6 @@ mod read;
 mod record;
 mod report;
 mod settings;
-mod statistics;
 mod study;
 mod verdict;
 

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use bracketry_numerics::statistics::{median, steps};
+
 /// Unknowns per sample: value, first and second derivative.
 const N: usize = 3;
 /// One more column for the right-hand side.
@@ -139,9 +141,7 @@ impl Solution {
 impl<'a> Samples<'a> {
     fn new(times: &'a [f64], values: &'a [f64]) -> Self {
         let count = values.iter().filter(|v| v.is_finite()).count();
-        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let middle = steps.len() / 2;
-        let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let step = median(steps(times)).unwrap_or(f64::NAN);
         Self { times, values, step, count: count as f64 }
     }
 

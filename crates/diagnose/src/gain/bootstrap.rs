@@ -1,10 +1,10 @@
 //! Intervals from resampling windows.
 
+use bracketry_numerics::statistics::quantile;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-use crate::statistics::quantile;
 use crate::study::Linearization;
 
 /// Ends of an interval of 95 %.

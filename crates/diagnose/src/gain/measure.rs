@@ -1,5 +1,6 @@
 //! The measured gain of an extended model.
 
+use bracketry_numerics::statistics::median;
 use rayon::prelude::*;
 
 use super::bootstrap::weighted_step;
@@ -10,7 +11,6 @@ use super::trial::Trial;
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::settings::{EquationSettings, GainSettings, PredictionSettings, Settings, StudySettings};
-use crate::statistics::median;
 use crate::study::{Fit, Linearization, Study, Window};
 
 /// The refitted and the extended model with their least-squares problems, both over all windows of a study.

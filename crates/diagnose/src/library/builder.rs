@@ -1,5 +1,6 @@
 //! Putting effects together: names, texts, typical sizes, and what the model has already.
 
+use bracketry_numerics::statistics::rms;
 use bracketry_symbolic::{Expr, Notation, Pool, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashSet;
@@ -13,7 +14,6 @@ use crate::error::DiagnoseError;
 use crate::formula::Formula;
 use crate::record::Record;
 use crate::settings::LibrarySettings;
-use crate::statistics::rms;
 
 /// Collects the effects for one model.
 pub(crate) struct Builder {

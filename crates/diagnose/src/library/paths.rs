@@ -1,5 +1,6 @@
 //! Effects in signal paths: gains, delays, lags, offsets.
 
+use bracketry_numerics::statistics::{median, rms, steps};
 use bracketry_symbolic::{Fence, Joint, Notation, Relation};
 
 use super::builder::{Builder, amplitude, dissipation, log_grid};
@@ -8,7 +9,6 @@ use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::formula::Formula;
 use crate::record::{Quantity, Record};
-use crate::statistics::{median, rms, steps};
 
 /// A measured column and the states that it shows.
 struct Sensor {

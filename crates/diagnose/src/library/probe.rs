@@ -1,5 +1,6 @@
 //! Points at which expressions are compared: in general position, or those that the data pass through.
 
+use bracketry_numerics::statistics::rms;
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
@@ -7,7 +8,6 @@ use rustc_hash::FxHashMap;
 use super::names::{TIME_INPUT, derivative_name};
 use crate::record::{Measured, Quantity, Record};
 use crate::settings::LibrarySettings;
-use crate::statistics::rms;
 
 /// Values of states, inputs and derivatives of inputs by name.
 #[derive(Clone, Debug)]

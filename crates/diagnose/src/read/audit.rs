@@ -1,5 +1,6 @@
 //! What is to be said about the data before anything is concluded from them.
 
+use bracketry_numerics::statistics::extremes;
 use std::fmt;
 
 use bracketry_sim::Hold;
@@ -12,7 +13,6 @@ use super::warning::Warning;
 use crate::Signal;
 use crate::numbers::significant;
 use crate::settings::ReadSettings;
-use crate::statistics::extremes;
 
 /// What one column is like.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,5 +1,6 @@
 //! The times of a run: order, gaps, jitter.
 
+use bracketry_numerics::statistics::steps;
 use bracketry_system::FileError;
 
 use super::origin::Origin;
@@ -31,7 +32,7 @@ impl Clock {
             let problem = format!("the time {} does not exceed {} before it", times[row], times[row - 1]);
             return Err(origin.at(row, "t", &problem, "sort the rows by time and remove repeated ones"));
         }
-        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let steps = steps(times);
         let mut sorted = steps.clone();
         sorted.sort_by(f64::total_cmp);
         let step = sorted[sorted.len() / 2];

@@ -1,7 +1,7 @@
 //! The noise of a column, from the column itself.
 
 use crate::settings::NoiseSettings;
-use crate::statistics::extremes;
+use bracketry_numerics::statistics::{extremes, steps};
 
 /// Orders of differences, from the least spread to the least influenced by the motion.
 const DIFFERENCE_ORDERS: [usize; 5] = [3, 4, 5, 6, HIGHEST_DIFFERENCE];
@@ -71,7 +71,7 @@ struct Column<'a> {
 
 impl<'a> Column<'a> {
     fn new(times: &'a [f64], values: &'a [f64], fewest: usize) -> Self {
-        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let mut steps = steps(times);
         steps.sort_by(f64::total_cmp);
         let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
         // A few gaps do not make a clock uneven.

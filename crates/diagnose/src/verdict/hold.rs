@@ -1,5 +1,6 @@
 //! Whether the inputs go on between samples as they were read.
 
+use bracketry_numerics::statistics::{median, steps};
 use bracketry_sim::Hold;
 use bracketry_system::System;
 
@@ -9,7 +10,6 @@ use super::held_out::{thinned, window_length};
 use super::search::Search;
 use crate::report::{Flag, NamedCause, OtherHold};
 use crate::settings::Settings;
-use crate::statistics::{median, steps};
 use crate::{Cause, DiagnoseError, Record, Study, StudySettings};
 
 /// Refits the model once with the other input hold. `None` without such an input, or where it

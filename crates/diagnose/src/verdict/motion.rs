@@ -1,9 +1,9 @@
 //! Whether data hold any motion.
 
+use bracketry_numerics::statistics::quantile;
 use bracketry_system::System;
 
 use crate::report::{Evidence, NoMotion, Outcome, Reason};
-use crate::statistics::quantile;
 use crate::{Effort, Measured, Record, Report, Verdict};
 
 /// Nine tenths of a normal variable lie within this many standard deviations around its mean, to both sides.

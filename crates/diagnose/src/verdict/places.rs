@@ -1,5 +1,6 @@
 //! Where the refitted model is wrong: in which equation, and when.
 
+use bracketry_numerics::statistics::extremes;
 use bracketry_symbolic::Symbol;
 use bracketry_system::System;
 
@@ -7,7 +8,6 @@ use crate::gain::{Missing, MissingIn, missing};
 use crate::library::{Kind, Structure, is_angle};
 use crate::report::{Place, Regime, ResidualAcceleration};
 use crate::settings::{PlaceSettings, Settings};
-use crate::statistics::extremes;
 use crate::{DiagnoseError, Fit, Record};
 
 /// Where the refitted model is wrong.

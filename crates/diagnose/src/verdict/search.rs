@@ -1,5 +1,6 @@
 //! Exact fits of sets of candidates, and which to make.
 
+use bracketry_numerics::statistics::extremes;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -10,7 +11,6 @@ use super::alarm::Alarm;
 use super::explanation::{Explanation, Promise};
 use super::score::{Group, Scores, Sums};
 use crate::settings::VerdictSettings;
-use crate::statistics::extremes;
 use crate::{Cause, Change, Column, DiagnoseError, Effect, Estimate, Fit, Linearization, Normal, Path, Role, Study};
 
 /// What a pair of groups gains, the groups' places, and the step.

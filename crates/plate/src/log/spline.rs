@@ -1,5 +1,7 @@
 //! Smoothing splines: a sampled motion with its derivatives.
 
+use bracketry_numerics::statistics::median;
+
 /// Relative rounding below which a column counts as exact.
 const EXACT: f64 = 1e-13;
 /// Neighbors that sixth differences combine; shorter columns are interpolated.
@@ -152,14 +154,10 @@ impl Spline {
 pub(crate) fn noise(values: &[f64]) -> f64 {
     const BINOMIAL: [f64; WINDOW] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
     let difference = |w: &[f64]| w.iter().zip(BINOMIAL).map(|(v, c)| v * c).sum::<f64>().abs();
-    let mut differences: Vec<f64> = values.windows(WINDOW).map(difference).collect();
-    if differences.is_empty() {
-        return 0.0;
-    }
-    differences.sort_unstable_by(f64::total_cmp);
+    let middle = median(values.windows(WINDOW).map(difference).collect());
     // Half of a normal variable's values lie within 0.6745 standard deviations.
     let spread: f64 = BINOMIAL.iter().map(|c| c * c).sum::<f64>().sqrt();
-    differences[differences.len() / 2] / (0.6745 * spread)
+    middle.map_or(0.0, |middle| middle / (0.6745 * spread))
 }
 
 /// Values and second derivatives at the knots of the spline that minimizes `Σ (f − y)² + weight ∫ f''²`: the solution of

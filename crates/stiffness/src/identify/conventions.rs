@@ -3,10 +3,11 @@
 use super::error::IdentificationError;
 use super::measurement::{Measurement, MeasurementSet};
 use super::parameters::links_alone;
-use super::statistics::{CHI_SQUARE_MEDIAN, median};
+use super::statistics::CHI_SQUARE_MEDIAN;
 use crate::compliance::Springs;
 use crate::error::StiffnessError;
 use crate::robot::{Kinematics, Robot, Twist, Wrench};
+use bracketry_numerics::statistics::median;
 use nalgebra::{DMatrix, DVector};
 
 /// Residual, in units of the noise, from which on a mistake is looked for.
@@ -106,7 +107,7 @@ fn misfit(robot: &Robot, set: &MeasurementSet, start: &Springs, factors: [f64; 4
         order.truncate(((TRUSTED * rows.len() as f64).ceil() as usize).max(1));
         kept = order;
     }
-    let middle = (median(squared) / CHI_SQUARE_MEDIAN).sqrt();
+    let middle = (median(squared).unwrap_or(0.0) / CHI_SQUARE_MEDIAN).sqrt();
     middle.is_finite().then_some(middle)
 }
 

@@ -1,8 +1,8 @@
 //! Measured displacements under measured loads, checked before anything is computed from them.
 
 use super::error::{IdentificationError, Place, WRENCH_ENTRIES};
-use super::statistics::median;
 use crate::robot::{Twist, Wrench, halves};
+use bracketry_numerics::statistics::median;
 use nalgebra::{Matrix6, Vector6};
 use std::collections::HashMap;
 
@@ -215,7 +215,7 @@ fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result
         return Ok(());
     }
     let [translation, rotation, force, moment] =
-        std::array::from_fn(|part| median(measurements.iter().map(|m| m.sizes()[part]).collect()));
+        std::array::from_fn(|part| median(measurements.iter().map(|m| m.sizes()[part]).collect()).unwrap_or(0.0));
     let shows = |value: f64, row: usize| {
         let variance = noise.wrench.diagonal().fixed_rows::<3>(row).sum();
         value > BEYOND_NOISE * variance.sqrt()

@@ -1,7 +1,8 @@
 //! Measurements that contradict the rest.
 
 use super::error::IdentificationError;
-use super::statistics::{CHI_SQUARE_MEDIAN, CHI_SQUARE_REJECTED, median};
+use super::statistics::{CHI_SQUARE_MEDIAN, CHI_SQUARE_REJECTED};
+use bracketry_numerics::statistics::median;
 
 /// Random subsets to start from. With 5 % outliers, 12 measurements are all good in 54 % of them; with 20 % still in 7 %.
 const SUBSETS: usize = 60;
@@ -40,7 +41,7 @@ pub(super) fn consensus<M>(
     for _ in 0..SUBSETS {
         let Some(model) = fit(&draw.subset(&all, subset)) else { continue };
         let squared = distances(&model);
-        let middle = median(squared.clone());
+        let middle = median(squared.clone()).unwrap_or(0.0);
         if middle.is_finite() && best.as_ref().is_none_or(|(least, _)| middle < *least) {
             best = Some((middle, squared));
         }
@@ -49,7 +50,7 @@ pub(super) fn consensus<M>(
     let Some((_, mut squared)) = best else { return Ok(all) };
     let mut kept = Vec::new();
     for _ in 0..30 {
-        let scale = (median(squared.clone()) / CHI_SQUARE_MEDIAN).max(1.0);
+        let scale = (median(squared.clone()).unwrap_or(0.0) / CHI_SQUARE_MEDIAN).max(1.0);
         let next: Vec<usize> = all.iter().copied().filter(|i| squared[*i] <= CHI_SQUARE_REJECTED * scale).collect();
         if next == kept {
             break;
@@ -61,7 +62,7 @@ pub(super) fn consensus<M>(
         }
     }
     let left_out = count - kept.len();
-    let contradicting = median(squared.clone()) > CONTRADICTING * CHI_SQUARE_MEDIAN;
+    let contradicting = median(squared.clone()).unwrap_or(0.0) > CONTRADICTING * CHI_SQUARE_MEDIAN;
     if left_out as f64 > MOST * count as f64 || contradicting {
         let found = if contradicting { squared.iter().filter(|d| **d > CHI_SQUARE_REJECTED).count() } else { left_out };
         return Err(IdentificationError::TooManyOutliers { found, of: count });

@@ -6,9 +6,3 @@ pub(super) const TWO_SIDED: f64 = 1.959_964;
 pub(super) const CHI_SQUARE_MEDIAN: f64 = 5.348;
 /// 99.9 % point of χ² with 6 degrees of freedom.
 pub(super) const CHI_SQUARE_REJECTED: f64 = 22.458;
-
-/// The upper median; 0 of no values.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
-}

@@ -8,6 +8,7 @@ use crate::compliance::Springs;
 use crate::robot::{Twist, Wrench, halves};
 use crate::robot_file::RobotFile;
 use crate::sensor::ForceSensor;
+use bracketry_numerics::statistics::median;
 
 /// Bias and weight in units of the force's noise, from which on readings must show them.
 const WEIGHS: f64 = 5.0;
@@ -166,21 +167,14 @@ fn check_readings(file: &RobotFile, sensor: &ForceSensor, log: &RobotLog) -> Res
         let orientation = (file.robot.tool_pose(q).ok()? * sensor.pose).rotation;
         Some(force(&file.payload.reading(&orientation, &file.compensation.gravity)))
     };
-    let expected = median(log.measured.iter().filter_map(alone).collect());
-    let found = median(log.readings.iter().map(force).collect());
+    let expected = median(log.measured.iter().filter_map(alone).filter(|v| v.is_finite()).collect());
+    let found = median(log.readings.iter().map(force).filter(|v| v.is_finite()).collect());
     match (found, expected) {
         (Some(found), Some(expected)) if expected > WEIGHS * file.noise.force && FAR_BELOW * found < expected => {
             Err(StiffnessRunError::Readings { found, expected })
         }
         _ => Ok(()),
     }
-}
-
-/// The middle of the numbers that are finite.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.retain(|v| v.is_finite());
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// The fault of a log, whose measured coordinates stand for the references where it has none.

@@ -1,5 +1,6 @@
 //! Tables of joint coordinates with what a force sensor reads.
 
+use bracketry_numerics::statistics::{median, steps};
 use std::path::Path;
 
 use crate::robot::{JointKind, Robot, Wrench};
@@ -142,9 +143,7 @@ fn check_coordinates(doc: &Document, table: &Columns, robot: &Robot, names: &[St
 
 /// The mean period of evenly spaced times.
 fn period(doc: &Document, table: &Columns, t: &[f64]) -> Result<f64, FileError> {
-    let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let Some(middle) = steps.get(steps.len() / 2).copied() else {
+    let Some(middle) = median(steps(t)) else {
         return Err(doc.missing("the log has fewer than two rows", "give at least two samples"));
     };
     let uneven = |pair: &[f64]| (pair[1] - pair[0] - middle).abs() > UNEVEN * middle;
