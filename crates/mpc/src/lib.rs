@@ -46,7 +46,6 @@
 
 mod closed_loop;
 mod controller;
-mod dense;
 mod deviations;
 mod dynamics;
 mod error;

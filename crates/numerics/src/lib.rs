@@ -9,4 +9,7 @@
 //! assert_eq!(rms([3.0, -4.0, f64::NAN].into_iter()), 12.5f64.sqrt());
 //! ```
 
+pub mod dense;
+pub mod eigen;
+pub mod equations;
 pub mod statistics;

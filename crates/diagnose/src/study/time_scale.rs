@@ -1,5 +1,6 @@
 //! Whether the model moves on the time scale of the samples.
 
+use bracketry_numerics::eigen::eigenvalues;
 use std::f64::consts::PI;
 
 use bracketry_system::System;
@@ -105,10 +106,12 @@ impl Jacobian {
         if entries.iter().any(|v| !v.is_finite()) {
             return None;
         }
-        let values = DMatrix::from_row_slice(self.states, self.states, &entries).complex_eigenvalues();
-        let largest = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
-        let moving = || values.iter().filter(|v| v.norm() > ZERO_EIGENVALUE * largest);
-        let oscillates = moving().any(|v| v.im.abs() > v.re.abs());
-        oscillates.then(|| moving().map(|v| v.norm()).fold(f64::INFINITY, f64::min))
+        let values = eigenvalues(&DMatrix::from_row_slice(self.states, self.states, &entries))?;
+        let sizes = || values.iter().map(|(re, im)| re.hypot(*im));
+        let largest = sizes().fold(0.0, f64::max);
+        let moving = |(_, size): &(&(f64, f64), f64)| *size > ZERO_EIGENVALUE * largest;
+        let oscillates = values.iter().zip(sizes()).filter(moving).any(|((re, im), _)| im.abs() > re.abs());
+        oscillates
+            .then(|| values.iter().zip(sizes()).filter(moving).map(|(_, size)| size).fold(f64::INFINITY, f64::min))
     }
 }

@@ -1,5 +1,6 @@
 //! What candidates would gain, from the linearized problem.
 
+use bracketry_numerics::eigen::symmetric_eigen;
 use nalgebra::{DMatrix, DVector};
 
 use crate::{Column, Linearization, Normal};
@@ -252,7 +253,8 @@ fn solve_all(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     let inverse = |i: usize| if size[i] > 0.0 { 1.0 / size[i] } else { 0.0 };
     let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * inverse(i) * inverse(j));
     let right = DMatrix::from_fn(n, right.ncols(), |i, j| right[(i, j)] * inverse(i));
-    let eigen = scaled.symmetric_eigen();
+    // Of numbers that are none, nothing is known.
+    let Some(eigen) = symmetric_eigen(scaled) else { return DMatrix::from_element(n, right.ncols(), f64::NAN) };
     let mut inner = eigen.eigenvectors.transpose() * right;
     for (i, &value) in eigen.eigenvalues.iter().enumerate() {
         let factor = if value > 1e-10 { 1.0 / value } else { 0.0 };

@@ -15,9 +15,9 @@ use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::controllability::surface::Surface;
 use crate::error::Error;
 use crate::evidence::Evidence;
-use crate::linear::numerical::svd;
 use crate::reason::{StabilizableReason, StlcReason};
 use crate::undecided::Undecided;
+use bracketry_numerics::eigen::svd;
 
 /// Which verdicts on what is left are verdicts on the model.
 struct Transfers {

@@ -10,10 +10,10 @@ use crate::controllability::local::Frame;
 use crate::controllability::sign::definite;
 use crate::controllability::sussmann::Inputs;
 use crate::evidence::Evidence;
-use crate::linear::numerical::{svd, symmetric_eigen};
 use crate::reason::InputCombination;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
+use bracketry_numerics::eigen::{svd, symmetric_eigen};
 
 /// Largest numerator and denominator of the numbers that are used.
 const BOUND: u64 = 1 << 24;

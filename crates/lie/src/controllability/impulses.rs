@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::InputValues;
 use crate::controllability::local::Frame;
-use crate::linear::numerical::{svd, symmetric_eigen};
+use bracketry_numerics::eigen::{svd, symmetric_eigen};
 
 /// Most input fields along which the state jumps, and most bounded inputs whose ends are combined.
 const MAX_FREE: usize = 6;

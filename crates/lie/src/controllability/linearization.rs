@@ -8,13 +8,13 @@ use crate::answer::Answer;
 use crate::controllability::local::Frame;
 use crate::evidence::Evidence;
 use crate::linear::matrix::{Echelon as RationalEchelon, RationalMatrix};
-use crate::linear::numerical::eigenvalues;
-use crate::linear::numerical::symmetric_eigen;
 use crate::linear::spectrum::{Root, Spectrum};
 use crate::reason::Reason;
 use crate::residues::times;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
+use bracketry_numerics::eigen::eigenvalues;
+use bracketry_numerics::eigen::symmetric_eigen;
 
 /// x' = A x + B u around an equilibrium, modulo the prime.
 pub(crate) struct Linearization {

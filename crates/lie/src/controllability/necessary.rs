@@ -16,12 +16,12 @@ use crate::controllability::linearization::complement;
 use crate::controllability::local::Frame;
 use crate::controllability::sign::{Extent, NearOrigin, Sign, definite};
 use crate::evidence::Evidence;
-use crate::linear::numerical::symmetric_eigen;
 use crate::options::Limits;
 use crate::reason::{Monotone, StlcReason};
 use crate::residues::times;
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
+use bracketry_numerics::eigen::symmetric_eigen;
 
 /// The even k for which Stefani's necessary condition (1986; k = 2: Sussmann 1983) fails: STLC of
 /// x' = f + u g at an equilibrium needs ad_g^k f(x0) in the span of all brackets with fewer than

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 use crate::controllability::local::Frame;
 use crate::linear::form::signs;
 use crate::linear::matrix::RationalMatrix;
-use crate::linear::numerical::symmetric_eigen;
+use bracketry_numerics::eigen::symmetric_eigen;
 
 /// The sign of a function in a neighborhood of a point, or everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

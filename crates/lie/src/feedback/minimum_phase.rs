@@ -10,9 +10,9 @@ use crate::evidence::Evidence;
 use crate::feedback::critical::Critical;
 use crate::feedback::zero_dynamics::{Set, ZeroDynamics};
 use crate::linear::matrix::RationalMatrix;
-use crate::linear::numerical::eigenvalues;
 use crate::linear::spectrum::Spectrum;
 use crate::reason::{MinimumPhaseReason, Reason};
+use bracketry_numerics::eigen::eigenvalues;
 
 /// Whether the zero dynamics are asymptotically stable at an equilibrium.
 #[derive(Clone, Debug, PartialEq)]

@@ -81,7 +81,7 @@ pub(crate) fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<Distance> {
     for x in [-0.5 * radius, 0.5 * radius] {
         heap.push(examine([x, 0.5 * radius], 0.5 * radius, &mut best)?);
     }
-    for z in super::numerical::eigenvalues(a)? {
+    for z in bracketry_numerics::eigen::eigenvalues(a)? {
         examine([z.0, z.1.abs()], 0.0, &mut best)?;
     }
     while let Some(cell) = heap.pop() {

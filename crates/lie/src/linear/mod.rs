@@ -3,9 +3,7 @@
 pub(crate) mod distance;
 pub(crate) mod form;
 pub(crate) mod matrix;
-pub(crate) mod numerical;
 pub(crate) mod polynomial;
 pub(crate) mod program;
-pub(crate) mod schur;
 pub(crate) mod spectrum;
 pub(crate) mod zeros;

@@ -1,11 +1,11 @@
 //! The eigenvalues of a rational matrix: multiplicities and half-planes exactly, values to the accuracy of `f64`.
 
+use bracketry_numerics::eigen::eigenvalues;
 use bracketry_symbolic::{Rational, UnivariatePolynomial};
 use dashu_int::ops::BitTest;
 use nalgebra::DMatrix;
 
 use crate::linear::matrix::RationalMatrix;
-use crate::linear::numerical;
 
 /// An eigenvalue.
 #[derive(Clone, Debug, PartialEq)]
@@ -249,7 +249,7 @@ fn first_guess(p: &UnivariatePolynomial) -> Vec<Complex> {
         (i, j) if i == j + 1 => 1.0,
         _ => 0.0,
     });
-    let guesses = Some(companion).filter(|a| a.iter().all(|x| x.is_finite())).and_then(|a| numerical::eigenvalues(&a));
+    let guesses = Some(companion).filter(|a| a.iter().all(|x| x.is_finite())).and_then(|a| eigenvalues(&a));
     let mut z: Vec<Complex> =
         guesses.unwrap_or_default().iter().map(|&(re, im)| Complex::new(re, im) * scale).collect();
     z.resize(n, Complex::new(0.0, 0.0));
@@ -308,7 +308,7 @@ mod tests {
             let rows: Vec<Vec<Rational>> = entries.chunks(5).map(|r| r.iter().map(|&x| Rational::from(x)).collect()).collect();
             let spectrum = Spectrum::of(&RationalMatrix::new(rows, 5));
             let a = DMatrix::from_row_slice(5, 5, &entries.iter().map(|&x| x as f64).collect::<Vec<_>>());
-            let numbers = numerical::eigenvalues(&a).unwrap_or_default();
+            let numbers = eigenvalues(&a).unwrap_or_default();
             if numbers.len() == 5 && numbers.iter().all(|z| z.0.abs() > 1e-3) {
                 prop_assert_eq!(spectrum.right, numbers.iter().filter(|z| z.0 > 0.0).count());
                 prop_assert_eq!(spectrum.left, numbers.iter().filter(|z| z.0 < 0.0).count());

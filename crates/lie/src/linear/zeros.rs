@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::linear::numerical::eigenvalues;
+use bracketry_numerics::eigen::eigenvalues;
 
 /// The matrices of a linear system.
 #[derive(Clone, Debug)]

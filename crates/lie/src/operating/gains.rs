@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use crate::linear::schur::{lyapunov, riccati};
 use crate::operating::linear_model::rows;
+use bracketry_numerics::equations::{lyapunov, riccati};
 
 /// Why there is no gain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, thiserror::Error)]
@@ -43,7 +43,7 @@ pub(crate) fn regulator(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &[f64], r: &[f64]
     }
     let diagonal = |list: &[f64]| DMatrix::from_diagonal(&nalgebra::DVector::from_row_slice(list));
     let found = riccati(a, b, &diagonal(q), &diagonal(r)).ok_or(NoGain::NoStabilizingSolution)?;
-    let poles = crate::linear::numerical::eigenvalues(&(a - b * &found.gain)).ok_or(NoGain::NoStabilizingSolution)?;
+    let poles = bracketry_numerics::eigen::eigenvalues(&(a - b * &found.gain)).ok_or(NoGain::NoStabilizingSolution)?;
     Ok(Gain { gain: found.gain, solution: found.x, residual: found.residual, poles })
 }
 

@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use crate::linear::distance::{Distance, distance};
 use crate::linear::matrix::{Echelon, RationalMatrix};
-use crate::linear::numerical::eigenvalues;
 use crate::linear::spectrum::Spectrum;
 use crate::operating::gains::{Gain, Gramians, NoGain, estimator, gramians, regulator};
 use crate::operating::linear_model::{LinearModel, NotLinearizable};
+use bracketry_numerics::eigen::eigenvalues;
 
 /// Weights of the gains, each one number for all or one for each; 1 where there is none.
 #[derive(Clone, Debug, Default)]

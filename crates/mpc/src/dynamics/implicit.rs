@@ -8,8 +8,8 @@
 //! ```
 
 use super::field::Dynamics;
-use crate::dense::Factors;
 use crate::error::MpcError;
+use bracketry_numerics::dense::Lu;
 use bracketry_sim::{AlgebraicRoot, NoRoot};
 
 /// The dynamics with their working memory.
@@ -27,7 +27,7 @@ pub(super) struct ImplicitDynamics<D> {
     xz: Vec<f64>,
     rates: Vec<f64>,
     entries: Vec<f64>,
-    factors: Factors,
+    factors: Lu,
     /// dz/d(x, u), q rows of n + m.
     dz: Vec<f64>,
     failure: Option<(f64, NoRoot)>,
@@ -58,7 +58,7 @@ impl<D: Dynamics> ImplicitDynamics<D> {
             xz: vec![0.0; w],
             rates: vec![0.0; w],
             entries: vec![0.0; entries.len()],
-            factors: Factors::default(),
+            factors: Lu::default(),
             dz: vec![0.0; q * (n + m)],
             whole,
             failure: None,

@@ -7,8 +7,8 @@
 //! Mechanical Systems, 2004. On a sticking surface ∇σ·S = 0: what sticks forgets how it came there.
 
 use super::switched_field::SwitchedField;
-use crate::dense::Factors;
 use crate::integrator::Interval;
+use bracketry_numerics::dense::Lu;
 use bracketry_sim::{Mode, ModeChange};
 
 /// A switching function this small is zero: its sign is chosen, not read.
@@ -43,7 +43,7 @@ pub(crate) struct StickSlipFlow {
     d: [Vec<f64>; 4],
     pub(super) s: Vec<f64>,
     moved: Vec<f64>,
-    factors: Factors,
+    factors: Lu,
     right: Vec<f64>,
     /// The field before an event, then its jump there.
     pub(super) jump: Vec<f64>,
@@ -80,7 +80,7 @@ impl StickSlipFlow {
             d: [block(), block(), block(), block()],
             s: block(),
             moved: block(),
-            factors: Factors::default(),
+            factors: Lu::default(),
             right: vec![0.0; k * w.max(1)],
             jump: row(),
             gradient: row(),

@@ -7,8 +7,8 @@ use super::interval::Interval;
 use super::one_step::{Differentiated, OneStepMethod, set_identity};
 use super::stages::Stages;
 use super::tableau::Tableau;
-use crate::dense::Factors;
 use crate::dynamics::Dynamics;
+use bracketry_numerics::dense::Lu;
 
 /// Newton iterations after which a step has failed.
 const MAX_ITERATIONS: usize = 50;
@@ -36,7 +36,7 @@ pub(crate) struct Collocation {
     field: Vec<f64>,
     jacobian: Vec<f64>,
     point: Vec<f64>,
-    factors: Factors,
+    factors: Lu,
     /// dZ, s·n rows of n + m entries.
     dz: Vec<f64>,
     /// J S + \[0 B\], likewise.
@@ -47,7 +47,7 @@ pub(crate) struct Collocation {
 impl Collocation {
     pub(crate) fn new(n: usize, m: usize, pattern: &[(usize, usize)], tableau: Tableau) -> Self {
         let s = tableau.stages();
-        let mut factors = Factors::default();
+        let mut factors = Lu::default();
         let a = factors.matrix(s);
         a.copy_from_slice(&tableau.a);
         let mut end = tableau.b.clone();

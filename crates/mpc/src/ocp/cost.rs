@@ -5,9 +5,9 @@ use super::constraint::PathConstraint;
 use super::cost_names::{CostKind, CostNames, CostPoint, Remembered};
 use super::cost_parts::CostParts;
 use super::vector_function::VectorFunction;
-use crate::dense::{clip_to_psd, components};
 use crate::error::{MpcError, check_length};
 use bracketry_native::{Function, Workspace};
+use bracketry_numerics::dense::{clip_to_psd, components};
 use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
 use bracketry_system::System;
 

@@ -21,9 +21,9 @@
 //! The exact block also has the curvature of the path constraints, for the multipliers of their rows.
 
 use super::program::{NOWHERE, StageProgram};
-use crate::dense::is_positive_definite;
 use crate::ocp::{CostFunction, Ocp};
 use crate::transcription::{Linearization, carry_block};
+use bracketry_numerics::dense::is_positive_definite;
 use std::ops::Range;
 
 /// Curvature that is left at the states, relative to the largest of all.

@@ -1,3 +1,7 @@
 //! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
 
+mod dense;
+mod eigen;
+mod equations;
 mod statistics;

@@ -1,7 +1,8 @@
 //! Switching functions that depend on each other: what `vx = 0` and `vy = 0` say of `|(vx, vy)|`.
 
 use super::surfaces::{Surfaces, divide, norm};
-use nalgebra::{DMatrix, SymmetricEigen};
+use bracketry_numerics::eigen::symmetric_eigen;
+use nalgebra::DMatrix;
 
 /// What is left of a gradient of unit length across the others that means a direction of its own.
 const INDEPENDENT: f64 = 1e-8;
@@ -70,7 +71,7 @@ impl Span {
             rows.extend(self.rest.iter().map(|r| r * row));
         }
         let rows = DMatrix::from_row_slice(s.len(), self.rest.len(), &rows);
-        let free = SymmetricEigen::new(&rows * rows.transpose());
+        let Some(free) = symmetric_eigen(&rows * rows.transpose()) else { return };
         for (square, normal) in free.eigenvalues.iter().zip(free.eigenvectors.column_iter()) {
             if *square <= (INDEPENDENT * size).powi(2) {
                 let along: f64 = normal.iter().zip(&*s).map(|(n, s)| n * s).sum();

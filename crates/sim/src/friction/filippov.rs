@@ -7,6 +7,7 @@ use super::forces::{At, Forces};
 use super::modes::Mode;
 use super::surfaces::{Surfaces, divide, norm};
 use crate::Switched;
+use bracketry_numerics::eigen::pseudo_inverse;
 use nalgebra::DMatrix;
 
 /// How far a sticking sign may pass 1 before the switch breaks loose: far above its rounding, far below notice.
@@ -292,11 +293,7 @@ impl Field<'_> {
             }
             let gram = DMatrix::from_fn(m, m, dot);
             let size = gram.amax();
-            // The decomposition does not end where anything is not a number.
-            if gram.iter().any(|v| !v.is_finite()) {
-                return;
-            }
-            let Ok(inverse) = gram.pseudo_inverse(1e-12 * size) else {
+            let Some(inverse) = pseudo_inverse(gram, 1e-12 * size) else {
                 return;
             };
             for a in 0..m {

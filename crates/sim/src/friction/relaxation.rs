@@ -4,6 +4,7 @@
 //! secular equation `Σ h²/(λ − d)² = 1`, where `h` are the components of `g` (Conn, Gould, Toint, *Trust-Region Methods*, 2000, section 7.3).
 //! This also finds the part of a direction that has no influence and merely follows σ̇, however slowly σ grows.
 
+use bracketry_numerics::eigen::symmetric_eigen;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::ops::Range;
 
@@ -20,7 +21,7 @@ pub(super) fn relax(s: &mut DVector<f64>, mut rates: DVector<f64>, influence: &D
         0.5 * (own + own.transpose())
     };
     let own: Vec<_> = blocks.iter().map(symmetric).collect();
-    let eigen: Vec<_> = own.iter().map(|own| SymmetricEigen::new(own.clone())).collect();
+    let Some(eigen) = own.iter().cloned().map(symmetric_eigen).collect::<Option<Vec<_>>>() else { return };
     for _ in 0..PASSES {
         let mut change = 0.0f64;
         for ((rows, own), eigen) in blocks.iter().zip(&own).zip(&eigen) {

@@ -8,6 +8,7 @@ use super::saltation::Saltation;
 use crate::Switched;
 use crate::friction::{Mode, Surfaces, eliminate, norm};
 use crate::model::Model;
+use bracketry_numerics::eigen::pseudo_inverse;
 use nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -308,7 +309,7 @@ impl Maps {
         if !eliminate(&mut matrix, &mut right, m, SINGULAR * size) {
             // Where the components depend on each other, so do their rows, and every solution has the same forces.
             let rows = DMatrix::from_fn(m, n, |a, j| self.surfaces.gradient(sticking[a])[j]);
-            let Ok(inverse) = all.clone().pseudo_inverse(SINGULAR * size) else {
+            let Some(inverse) = pseudo_inverse(all.clone(), SINGULAR * size) else {
                 return false;
             };
             let shared = inverse * &rows;

@@ -1,6 +1,6 @@
-//! The complex Schur form with eigenvalues in a chosen order, and what follows from it: Lyapunov and Riccati equations.
+//! Lyapunov and Riccati equations in continuous time, from the complex Schur form with eigenvalues in a chosen order.
 
-use bracketry_symbolic::Rational;
+use dashu_ratio::RBig;
 use nalgebra::{Complex, DMatrix, Schur};
 
 type ComplexMatrix = DMatrix<Complex<f64>>;
@@ -54,7 +54,7 @@ fn exchange(u: &mut ComplexMatrix, t: &mut ComplexMatrix, k: usize) {
 
 /// X with A X + X Aᵀ + Q = 0 for symmetric Q (Bartels and Stewart 1972), refined once; `None` where two eigenvalues of A
 /// add up to zero.
-pub(crate) fn lyapunov(a: &DMatrix<f64>, q: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub fn lyapunov(a: &DMatrix<f64>, q: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = a.nrows();
     let (u, t) = schur(a)?;
     let solve = |q: &DMatrix<f64>| -> Option<DMatrix<f64>> {
@@ -88,12 +88,13 @@ pub(crate) fn lyapunov(a: &DMatrix<f64>, q: &DMatrix<f64>) -> Option<DMatrix<f64
 
 /// A solution of a Riccati equation.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Riccati {
-    pub(crate) x: DMatrix<f64>,
+pub struct Riccati {
+    /// X.
+    pub x: DMatrix<f64>,
     /// R⁻¹ Bᵀ X.
-    pub(crate) gain: DMatrix<f64>,
+    pub gain: DMatrix<f64>,
     /// Norm of the equation's left side, relative to that of its terms.
-    pub(crate) residual: f64,
+    pub residual: f64,
 }
 
 /// Largest relative residual of a solution.
@@ -104,7 +105,7 @@ const NEWTON_STEPS: usize = 8;
 
 /// The stabilizing X of Aᵀ X + X A − X B R⁻¹ Bᵀ X + Q = 0 with diagonal R, from the stable invariant subspace of the Hamiltonian matrix
 /// (Laub 1979), refined by Newton's method (Kleinman 1968). `None` where there is none, or rounding hides it.
-pub(crate) fn riccati(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &DMatrix<f64>) -> Option<Riccati> {
+pub fn riccati(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &DMatrix<f64>) -> Option<Riccati> {
     let n = a.nrows();
     let inverse = r.clone().cholesky()?.inverse();
     let g = b * &inverse * b.transpose();
@@ -161,7 +162,7 @@ pub(crate) fn riccati(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &
         residual = residual.min(defect(&x));
     }
     let gain = &inverse * b.transpose() * &x;
-    let loop_is_stable = super::numerical::eigenvalues(&(a - b * &gain))?.iter().all(|z| z.0 < 0.0);
+    let loop_is_stable = crate::eigen::eigenvalues(&(a - b * &gain))?.iter().all(|z| z.0 < 0.0);
     (loop_is_stable && residual <= RESIDUAL).then_some(Riccati { x, gain, residual })
 }
 
@@ -176,13 +177,13 @@ fn exact_left_side(
     r: &DMatrix<f64>,
     x: &DMatrix<f64>,
 ) -> Option<DMatrix<f64>> {
-    let exact = |m: &DMatrix<f64>| -> Option<Vec<Vec<Rational>>> {
-        m.row_iter().map(|row| row.iter().map(|v| Rational::try_from(*v).ok()).collect()).collect()
+    let exact = |m: &DMatrix<f64>| -> Option<Vec<Vec<RBig>>> {
+        m.row_iter().map(|row| row.iter().map(|v| RBig::try_from(*v).ok()).collect()).collect()
     };
     let (a, b, q, r, x) = (exact(a)?, exact(b)?, exact(q)?, exact(r)?, exact(x)?);
     let (n, m) = (a.len(), r.len());
-    let sum = |terms: &mut dyn Iterator<Item = Rational>| terms.fold(Rational::ZERO, |s, t| s + t);
-    let rows = |rows: usize, entry: &dyn Fn(usize, usize) -> Rational| -> Vec<Vec<Rational>> {
+    let sum = |terms: &mut dyn Iterator<Item = RBig>| terms.fold(RBig::ZERO, |s, t| s + t);
+    let rows = |rows: usize, entry: &dyn Fn(usize, usize) -> RBig| -> Vec<Vec<RBig>> {
         (0..rows).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
     };
     let xa = rows(n, &|i, j| sum(&mut (0..n).map(|k| &x[i][k] * &a[k][j])));
@@ -193,51 +194,4 @@ fn exact_left_side(
         total.to_f64().value()
     });
     Some(left)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn random(n: usize, m: usize, seed: u64) -> DMatrix<f64> {
-        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-        DMatrix::from_fn(n, m, |_, _| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        })
-    }
-
-    #[test]
-    fn lyapunov_equations_are_solved() {
-        for seed in 1..40 {
-            let n = 1 + seed as usize % 9;
-            let a = random(n, n, seed) - DMatrix::identity(n, n) * 2.0;
-            let b = random(n, 2, seed + 1000);
-            let q = &b * b.transpose();
-            let Some(x) = lyapunov(&a, &q) else { unreachable!("{seed}") };
-            assert!((&a * &x + &x * a.transpose() + &q).norm() <= 1e-13 * (1.0 + x.norm() * a.norm()), "{seed}");
-        }
-    }
-
-    #[test]
-    fn riccati_equations_are_solved_and_stabilize() {
-        for seed in 1..60 {
-            let (n, m) = (1 + seed as usize % 10, 1 + seed as usize % 3);
-            let (a, b) = (random(n, n, seed) * 2.0, random(n, m, seed + 1000));
-            let found = riccati(&a, &b, &DMatrix::identity(n, n), &DMatrix::identity(m, m));
-            assert!(found.as_ref().is_some_and(|f| f.residual < 1e-12), "{seed}: {found:?}");
-        }
-    }
-
-    /// The double integrator with unit weights: K = [1, √3].
-    #[test]
-    fn the_double_integrator_has_its_textbook_gain() {
-        let a = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, 0.0, 0.0]);
-        let b = DMatrix::from_row_slice(2, 1, &[0.0, 1.0]);
-        let Some(found) = riccati(&a, &b, &DMatrix::identity(2, 2), &DMatrix::identity(1, 1)) else { unreachable!() };
-        assert!((found.gain - DMatrix::from_row_slice(1, 2, &[1.0, 3f64.sqrt()])).norm() < 1e-14);
-        // An unstable state that no input reaches.
-        let a = DMatrix::from_diagonal_element(2, 2, 1.0);
-        assert!(riccati(&a, &b, &DMatrix::identity(2, 2), &DMatrix::identity(1, 1)).is_none());
-    }
 }

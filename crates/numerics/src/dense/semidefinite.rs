@@ -1,7 +1,7 @@
 //! The nearest positive semidefinite matrix, block by block, in memory that is kept.
 
 /// Groups the indices 0 … size−1 that are linked by an off-diagonal entry.
-pub(crate) fn components(size: usize, links: &[(usize, usize)]) -> Vec<Vec<usize>> {
+pub fn components(size: usize, links: &[(usize, usize)]) -> Vec<Vec<usize>> {
     let mut label: Vec<usize> = (0..size).collect();
     let mut changed = true;
     while changed {
@@ -23,7 +23,7 @@ pub(crate) fn components(size: usize, links: &[(usize, usize)]) -> Vec<Vec<usize
 
 /// Clips the negative eigenvalues of a symmetric matrix, given in full by rows, to zero; a positive semidefinite matrix stays
 /// exactly as it is, and one with an entry that is not finite too. `scratch` grows to 2·size² entries.
-pub(crate) fn clip_to_psd(h: &mut [f64], size: usize, scratch: &mut Vec<f64>) {
+pub fn clip_to_psd(h: &mut [f64], size: usize, scratch: &mut Vec<f64>) {
     if size == 1 {
         h[0] = h[0].max(0.0);
         return;
@@ -46,8 +46,9 @@ pub(crate) fn clip_to_psd(h: &mut [f64], size: usize, scratch: &mut Vec<f64>) {
     }
 }
 
-/// Whether a symmetric matrix has a Cholesky factor, which replaces its lower triangle.
-pub(crate) fn is_positive_definite(a: &mut [f64], n: usize) -> bool {
+/// Whether a symmetric matrix of n rows, given by rows, has a Cholesky factor, which replaces its lower triangle.
+#[must_use]
+pub fn is_positive_definite(a: &mut [f64], n: usize) -> bool {
     for j in 0..n {
         let pivot = a[j * n + j] - (0..j).map(|k| a[j * n + k].powi(2)).sum::<f64>();
         if pivot.is_nan() || pivot <= 0.0 {
@@ -103,55 +104,5 @@ fn diagonalize(a: &mut [f64], v: &mut [f64], n: usize) {
         if !rotated {
             return;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use approx::assert_relative_eq;
-    use nalgebra::{DMatrix, SymmetricEigen};
-
-    #[test]
-    fn a_semidefinite_matrix_is_left_alone() {
-        for h in [[2.0, 1.0, 1.0, 3.0], [1.0, 1.0, 1.0, 1.0], [0.0; 4]] {
-            let mut c = h;
-            clip_to_psd(&mut c, 2, &mut Vec::new());
-            assert_eq!(c, h);
-        }
-    }
-
-    #[test]
-    fn the_negative_part_of_a_saddle_is_removed() {
-        // xy has the eigenvalues ±1/2·2 with eigenvectors (1, ±1)/√2; the positive part is (x + y)²/4.
-        let mut h = [0.0, 1.0, 1.0, 0.0];
-        clip_to_psd(&mut h, 2, &mut Vec::new());
-        for v in h {
-            assert_relative_eq!(v, 0.5, epsilon = 1e-14);
-        }
-    }
-
-    #[test]
-    fn the_positive_part_is_that_of_the_eigenvalue_decomposition() {
-        for seed in 1..40 {
-            let n = 2 + seed % 7;
-            let m = DMatrix::from_fn(n, n, |i, j| {
-                let (low, high) = (i.min(j) as f64, i.max(j) as f64);
-                10f64.powi(seed as i32 % 5 - 2) * (seed as f64 * (1.3 + low) + 2.7 * high).sin()
-            });
-            let mut h = m.as_slice().to_vec();
-            clip_to_psd(&mut h, n, &mut Vec::new());
-            let mut eigen = SymmetricEigen::new(m.clone());
-            eigen.eigenvalues.iter_mut().for_each(|l| *l = l.max(0.0));
-            let expected = eigen.recompose();
-            assert_relative_eq!(DMatrix::from_column_slice(n, n, &h), expected, epsilon = 1e-12 * m.norm());
-        }
-    }
-
-    #[test]
-    fn chains_are_one_component() {
-        let c = components(6, &[(4, 1), (1, 0), (3, 5)]);
-        assert_eq!(c, vec![vec![0, 1, 4], vec![2], vec![3, 5]]);
     }
 }
