@@ -27,6 +27,10 @@ pub use bracketry_stiffness as stiffness;
 pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
+pub mod prelude;
+
+#[cfg(feature = "diagnose")]
+pub use bracketry_diagnose::diagnose;
 pub use bracketry_lie::{Analysis, AnalysisError, Influence, ReachTable, Reached, analyze};
 #[cfg(feature = "control")]
 pub use bracketry_mpc::{ControlError, Controlled, control, control_watched};
@@ -35,8 +39,10 @@ pub use bracketry_report::analysis::{AffinizationReport, InputChange};
 #[cfg(feature = "report")]
 pub use bracketry_report::{Diagnosis, Figure, RankChange, Ranks, friction_bands, friction_colors};
 #[cfg(feature = "simulate")]
-pub use bracketry_sim::{Breakdown, ExactPlant, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
-pub use bracketry_system::{PointError, point};
+pub use bracketry_sim::{
+    Breakdown, ExactPlant, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError, simulate,
+};
+pub use bracketry_system::{PointError, System, point};
 
 /// Programs in the documents of the repository are tested with those of the crate.
 #[cfg(all(doctest, feature = "report"))]
