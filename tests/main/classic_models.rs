@@ -41,7 +41,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(4),
         static_feedback: false,
         flat: Some("no"),
-        source: "relative degree of r not defined where r w = 0 (Hauser, Sastry and Kokotović 1992)",
+        source: "relative degree of r not defined where r w = 0 (Hauser, Sastry, and Kokotović 1992)",
     },
     Known {
         file: "brockett_integrator",

@@ -28,7 +28,7 @@ pub enum DiagnoseError {
     #[error("no data were given; pass at least one record")]
     NoRecords,
     /// A record does not belong to the model.
-    #[error("`{record}` has {found} {what}, the model {expected}; read it with this model")]
+    #[error("`{record}` has {found} {what}, but the model has {expected}; read it with this model")]
     Mismatch {
         /// The record.
         record: String,

@@ -53,8 +53,8 @@ impl ExportedFunction {
         match self.name {
             "f" => "time derivatives of the states",
             "h" => "outputs",
-            "f_jacobian" => "derivatives of f by x and by u",
-            _ => "derivatives of h by x and by u",
+            "f_jacobian" => "derivatives of f with respect to x and u",
+            _ => "derivatives of h with respect to x and u",
         }
     }
 }

@@ -48,7 +48,7 @@ impl fmt::Display for FileError {
         let message = shortened(&self.message, MOST_SAID);
         write!(f, "{}:{}:{}: {message}", self.file, self.line, self.column)?;
         if !self.found.is_empty() {
-            write!(f, " near `{}`", shortened(&self.found, MOST_FOUND))?;
+            write!(f, " (near `{}`)", shortened(&self.found, MOST_FOUND))?;
         }
         let width = self.found.chars().take(MOST_SHOWN).count().max(1);
         let shown: String = self.source_line.chars().take(MOST_SHOWN).collect();

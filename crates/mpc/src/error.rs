@@ -57,7 +57,7 @@ pub enum MpcError {
         states: usize,
     },
     /// Measured outputs do not tell of everything that is to be estimated.
-    #[error("the measured outputs do not determine {}, or do not separate them: measure more or estimate less", names.join(", "))]
+    #[error("the measured outputs do not determine {} separately: measure more or estimate less", names.join(", "))]
     NotObservable {
         /// What cannot be told.
         names: Vec<String>,

@@ -26,7 +26,7 @@ impl fmt::Display for Text<'_> {
         writeln!(f, "method         {}: {}", report.method, why(&report.method_reason))?;
         if let Some(p) = &report.plan {
             let programs = effort(p.interior_point_steps, p.programs);
-            let exact = if p.hessian == Hessian::Exact { ", finally with the exact Hessian," } else { "" };
+            let exact = if p.hessian == Hessian::Exact { ", the last with the exact Hessian," } else { "" };
             writeln!(f, "plan           {}, {programs}{exact} in {:.2} s", p.status, p.seconds)?;
         }
         if let Some(found) = &report.found {

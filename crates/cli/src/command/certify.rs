@@ -139,7 +139,7 @@ pub(crate) fn run(args: &CertifyArgs, output: &OutputArgs) -> anyhow::Result<Out
         {
             let picture = portrait(&system, proof, axes)?;
             if figure(region_figure(&system.name, &picture), &dir.join("region")) {
-                written.push("region.png".to_owned());
+                written.extend(["region.svg", "region.png"].map(str::to_owned));
             }
         }
     }

@@ -164,7 +164,7 @@ impl FileKind {
             Self::Measurements => {
                 "such a table has columns q1 … qn, Fx, Fy, Fz, Mx, My, Mz, and dx, dy, dz, rx, ry, rz, with one row per measurement"
             }
-            Self::Loads => "such a table has columns q1 … qn and Fx, Fy, Fz, Mx, My, Mz, a row per pose",
+            Self::Loads => "such a table has columns q1 … qn and Fx, Fy, Fz, Mx, My, Mz, with one row per pose",
             Self::RobotLog => "such a log has columns t, q1 … qn, and Fx, Fy, Fz, Mx, My, Mz",
             Self::Robot => "models/kr125.toml is a robot file",
             Self::PlateScenario => {

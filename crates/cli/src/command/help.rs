@@ -45,6 +45,10 @@ pub(crate) const EXIT_CODES: (&str, &str) = (
     "0  done\n1  ran, but the answer is negative or undecided, or the target was not reached\n2  bad input; the message gives the location and the remedy",
 );
 
+/// The same for commands that write files and decide nothing.
+pub(crate) const WRITTEN: (&str, &str) =
+    ("Exit codes", "0  written\n2  bad input; the message gives the location and the remedy");
+
 /// What numbers are measured in.
 pub(crate) const UNITS: (&str, &str) = (
     "Units",

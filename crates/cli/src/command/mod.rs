@@ -30,7 +30,7 @@ pub(crate) mod style;
 mod transform;
 
 use file_kind::{FileKind, Given};
-use help::{EXIT_CODES, UNITS, examples, guide};
+use help::{EXIT_CODES, UNITS, WRITTEN, examples, guide};
 pub(crate) use output::{Outcome, OutputArgs};
 use stiffness::StiffnessCommand;
 
@@ -75,7 +75,7 @@ enum Command {
     ]))]
     Demo(demo::DemoArgs),
     /// Write a commented model with a scenario and a problem
-    #[command(after_help = examples(&new::EXAMPLES), after_long_help = guide(&new::EXAMPLES, &[EXIT_CODES]))]
+    #[command(after_help = examples(&new::EXAMPLES), after_long_help = guide(&new::EXAMPLES, &[WRITTEN]))]
     New(new::NewArgs),
     /// Affine form, ranks, brackets, local controllability, flatness, and observability
     #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
@@ -87,11 +87,13 @@ enum Command {
     )]))]
     Analyze(analyze::AnalyzeArgs),
     /// Write the model in a form that is affine in its inputs
-    #[command(after_help = examples(&affinize::EXAMPLES), after_long_help = guide(&affinize::EXAMPLES, &[EXIT_CODES]))]
+    #[command(after_help = examples(&affinize::EXAMPLES), after_long_help = guide(&affinize::EXAMPLES, &[(
+        "Exit codes", "0  written\n2  bad input, or no affine form was found; the message gives the reason",
+    )]))]
     Affinize(affinize::AffinizeArgs),
     /// Find an equilibrium or operating point, with fixed and free variables
     #[command(after_help = examples(&operating_point::TRIM_EXAMPLES), after_long_help = guide(&operating_point::TRIM_EXAMPLES, &[(
-        "Exit codes", "0  found, with inputs within their ranges\n1  not found, or only outside them; the report gives the best point\n2  bad input",
+        "Exit codes", "0  found, with inputs within their ranges\n1  not found, or found only with inputs outside their ranges; the report gives the best point\n2  bad input",
     )]))]
     Trim(operating_point::TrimArgs),
     /// Linear system around a point: A, B, C, D, poles, zeros, margins, and gains
@@ -110,7 +112,7 @@ enum Command {
     )]))]
     Transform(transform::TransformArgs),
     /// Write the equations with their Jacobians as source code: C, Rust, Python, CasADi, Julia
-    #[command(after_help = examples(&export::EXAMPLES), after_long_help = guide(&export::EXAMPLES, &[EXIT_CODES]))]
+    #[command(after_help = examples(&export::EXAMPLES), after_long_help = guide(&export::EXAMPLES, &[WRITTEN]))]
     Export(export::ExportArgs),
     /// Find inputs that move a model from one state to another
     #[command(after_help = examples(&steer::EXAMPLES), after_long_help = guide(&steer::EXAMPLES, &[
@@ -127,7 +129,7 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Run the closed loop of a problem file
     #[command(after_help = examples(&control::EXAMPLES), after_long_help = guide(&control::EXAMPLES, &[
-        ("Exit codes", "0  the loop meets all targets\n1  a target was missed, a sample had no solution, or the plant stopped\n2  bad input"),
+        ("Exit codes", "0  the run succeeded\n1  a target was missed, a sample had no solution, a note reports a failure, or the plant stopped\n2  bad input"),
         UNITS,
     ]))]
     Control(control::ControlArgs),

@@ -132,10 +132,10 @@ pub(crate) struct LinearizeArgs {
     /// Weights of the inputs in the regulator
     #[arg(long, value_name = "R,…", value_delimiter = ',', allow_negative_numbers = true)]
     input_weights: Vec<f64>,
-    /// Process noise of each state in the Kalman filter, as intensity
+    /// Process noise of each state in the Kalman filter, as an intensity
     #[arg(long, value_name = "V,…", value_delimiter = ',', allow_negative_numbers = true)]
     process_noise: Vec<f64>,
-    /// Noise of each output in the Kalman filter, as intensity
+    /// Noise of each output in the Kalman filter, as an intensity
     #[arg(long, value_name = "W,…", value_delimiter = ',', allow_negative_numbers = true)]
     measurement_noise: Vec<f64>,
     /// Upper limit of the Gramian integrals in seconds; by default infinite for a stable system

@@ -16,7 +16,7 @@ const OPENINGS: [&str; 6] = [
     "The true plant is a simulation of contact over the whole footprint: each point of it carries its share of the load and slides or sticks in \
      its own direction. The controller still predicts with the published model.",
     "A laboratory would record this run and a few more experiments: logs at 200 Hz of the commanded motion and the \
-     measured pose, with noise. The diagnosis sees these columns and the published model, nothing else. The last log is \
+     measured pose, with noise. The diagnosis sees these columns and the published model, and nothing else. The last log is \
      held out: it is not used for fitting.",
     "The equations now contain the terms found by the diagnosis; the same analysis shows their effect.",
     "The same controller uses the extended model on the same plant.",

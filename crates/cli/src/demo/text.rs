@@ -94,7 +94,7 @@ impl fmt::Display for MoveOnPlant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "Predicting with the {}, on the plant with contact over the whole footprint, final errors:\n",
+            "Final errors with predictions by the {}, on the plant with contact over the whole footprint:\n",
             self.model
         )?;
         writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "plan alone")?;
@@ -163,7 +163,7 @@ fn ended(outcome: &AreaOutcome) -> String {
 /// What was recorded.
 pub(super) fn of_logs(logs: &[SyntheticLog]) -> String {
     let mut out =
-        "Logs of the true plant, the pose of the object with noise and the commanded motion of the plate:\n".to_owned();
+        "Logs of the true plant (the noisy pose of the object and the commanded motion of the plate):\n".to_owned();
     for SyntheticLog { log, outcome } in logs {
         let end = log.t.last().copied().unwrap_or(0.0);
         let _ = writeln!(out, "  {:<20} {end:.2} s, {} samples, {}", log.name, log.t.len(), ended(outcome));

@@ -19,7 +19,7 @@ pub fn separating_experiment(a: &Effect, b: &Effect, system: &System) -> String 
     let special = special(a, b, system).or_else(|| by_family(a, b, system));
     special.unwrap_or_else(|| {
         format!(
-            "{}, and {}; {} changes with the first only, {} with the second only",
+            "{}, and {}; the effect of {} changes only in the first experiment, that of {} only in the second",
             isolating(a, system),
             isolating(b, system),
             a.cause.words(),

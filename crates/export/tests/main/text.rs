@@ -181,7 +181,7 @@ function h(t, x, u, p = PARAMETER_VALUES)
     ]
 end
 
-# f_jacobian(t, x, u, p): Derivatives of f by x and by u.
+# f_jacobian(t, x, u, p): Derivatives of f with respect to x and u.
 function f_jacobian(t, x, u, p = PARAMETER_VALUES)
     th = x[1]
     k = p[1]
@@ -195,7 +195,7 @@ function f_jacobian(t, x, u, p = PARAMETER_VALUES)
     return f_x, f_u
 end
 
-# h_jacobian(t, x, u, p): Derivatives of h by x and by u.
+# h_jacobian(t, x, u, p): Derivatives of h with respect to x and u.
 function h_jacobian(t, x, u, p = PARAMETER_VALUES)
     th = x[1]
     h_x = reshape([

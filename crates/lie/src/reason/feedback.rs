@@ -104,10 +104,10 @@ pub enum FlatnessReason {
     )]
     DependentInputs,
     /// m = n − 1.
-    #[error("accessible with one input fewer than states (Charlet, Lévine, and Marino 1989)")]
+    #[error("accessible, with one fewer input than states (Charlet, Lévine, and Marino 1989)")]
     OneInputLess,
     /// m = n − 2 without drift.
-    #[error("accessible without drift, with two inputs fewer than states (Martin and Rouchon 1995)")]
+    #[error("accessible without drift, with two fewer inputs than states (Martin and Rouchon 1995)")]
     TwoInputsLess,
     /// Outputs of the model with which the dynamic extension algorithm ends.
     #[error("dynamic feedback linearizes the system by the outputs of the model")]

@@ -105,7 +105,7 @@ pub enum StlcReason {
     #[error("{0} with the two-sided inputs alone")]
     TwoSidedInputs(Box<StlcReason>),
     /// A condition holds for integrals of free inputs in place of the inputs, squared for one-sided ones.
-    #[error("{reason} for {} in place of the inputs", integrals(.integrators, .squared))]
+    #[error("{reason}, with these in place of the inputs: {}", integrals(.integrators, .squared))]
     Integrals {
         /// The condition.
         reason: Box<StlcReason>,

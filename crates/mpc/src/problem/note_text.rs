@@ -46,13 +46,13 @@ impl fmt::Display for Note {
             ),
             Note::RoundingCosts { relaxed, rounded } => write!(
                 f,
-                "inputs from finite sets cost {} over the horizon, relaxed inputs {}: use a shorter dt or more values",
+                "inputs from finite sets cost {} over the horizon, and relaxed inputs {}: use a shorter dt or more values",
                 readable(*rounded),
                 readable(*relaxed)
             ),
             Note::TableEnds { name, last, end } => write!(
                 f,
-                "the table of `{name}` ends at t = {} s, the run at t = {} s: the last value is held afterwards",
+                "the table of `{name}` ends at t = {} s, and the run at t = {} s: the last value is held afterwards",
                 readable(*last),
                 readable(*end)
             ),

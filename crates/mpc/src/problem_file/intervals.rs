@@ -65,6 +65,13 @@ impl Reader<'_> {
         }
         let place = horizon.get("lengths").or(horizon.get("growth")).map_or(0..0, toml::Spanned::span);
         let message = format!("{what} cannot be combined with intervals of different lengths");
-        Err(self.doc.error(place, message, "write steps and dt alone, or change the other").into())
+        Err(self
+            .doc
+            .error(
+                place,
+                message,
+                "write steps and dt instead of growth or lengths, or remove what cannot be combined with them",
+            )
+            .into())
     }
 }

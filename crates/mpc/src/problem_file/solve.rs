@@ -81,7 +81,7 @@ impl Reader<'_> {
         let other = self.system.period.is_some() || !self.system.algebraic.is_empty();
         if let Some(v) = solve.get("method").filter(|_| named == Name::StickSlip && other) {
             let message = "the method \"stick-slip\" follows x' = f(x, u); the model is discrete in time or has algebraic variables";
-            let remedy = "write method = \"rti\", \"sqp\" or \"plan\", or remove it";
+            let remedy = "write method = \"rti\", \"sqp\", or \"plan\", or remove it";
             return Err(self.doc.error(v.span(), message, remedy).into());
         }
         let with = |name: Name| self.solve_by(name, solve, hard_weight, input_bounds);

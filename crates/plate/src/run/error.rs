@@ -21,7 +21,7 @@ pub enum PlateRunError {
     #[error(transparent)]
     Sim(#[from] bracketry_sim::SimError),
     /// A law of friction that the model does not have.
-    #[error("the model `{}` supports Coulomb friction only; omit --friction or use --model area", model.name())]
+    #[error("the model `{}` supports Coulomb friction only; omit --friction, or use --model area", model.name())]
     CoulombOnly {
         /// The model.
         model: PlateModel,
@@ -29,7 +29,7 @@ pub enum PlateRunError {
     /// An object that does not press evenly, on a model that does not know such objects.
     #[error(
         "the model `{}` supports only objects that press with their whole footprint about their center of mass; omit --bearing and \
-         --center-of-mass or use --model area", model.name()
+         --center-of-mass, or use --model area", model.name()
     )]
     EvenBearingOnly {
         /// The model.

@@ -78,8 +78,8 @@ impl Diagnosis {
             );
         }
         let caption = format!(
-            "{}: measured minus modeled rate, by smoothing splines of {:.3} Hz; for a velocity the force per mass that is missing. \
-             Within the bounds it may be noise of the sensors.",
+            "{}: measured minus modeled rate, by smoothing splines of {:.3} Hz; for a velocity, this is the missing force per mass. \
+             Within the bounds, it may be sensor noise.",
             first.record, first.bandwidth_hz
         );
         Some(Figure { name: "missing".to_owned(), caption, drawing: chart.draw() })

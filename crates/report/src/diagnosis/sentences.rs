@@ -232,7 +232,9 @@ pub(super) fn closeness(closeness: Closeness) -> String {
         Closeness::Worse { by, margin } => {
             format!("explains these data worse by only {by:.1} units, where {margin} would rule it out")
         }
-        Closeness::LittleMore => "leaves only slightly more, compared with what no cause explains".to_owned(),
+        Closeness::LittleMore => {
+            "leaves only slightly more unexplained, compared with what no cause explains".to_owned()
+        }
     }
 }
 

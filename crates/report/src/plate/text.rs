@@ -163,10 +163,10 @@ fn bearing(bearing: &Bearing) -> String {
 
 fn shape(shape: &Shape) -> String {
     match shape {
-        Shape::Disk { radius } => format!("disk, radius {}", round(*radius)),
-        Shape::Ellipse { a, b } => format!("ellipse, semi_axes [{a:?},{b:?}]"),
-        Shape::Rectangle { a, b } => format!("rectangle, sides [{:?},{:?}]", 2.0 * a, 2.0 * b),
-        Shape::Polygon { vertices } => format!("polygon, {} vertices, area {}", vertices.len(), round(shape.area())),
+        Shape::Disk { radius } => format!("disk, radius {} m", round(*radius)),
+        Shape::Ellipse { a, b } => format!("ellipse, semi-axes {a:?} m and {b:?} m"),
+        Shape::Rectangle { a, b } => format!("rectangle, sides {:?} m and {:?} m", 2.0 * a, 2.0 * b),
+        Shape::Polygon { vertices } => format!("polygon, {} vertices, area {} m²", vertices.len(), round(shape.area())),
     }
 }
 

@@ -12,7 +12,7 @@ pub(super) fn method(method: SteerMethod) -> &'static str {
             "sinusoids in the chained form (Murray and Sastry 1993; Tilbury, Murray, and Sastry 1995)"
         }
         SteerMethod::Nilpotent => {
-            "piecewise constant inputs by Philip Hall coordinates (Lafferriere and Sussmann 1991)"
+            "piecewise constant inputs from Philip Hall coordinates (Lafferriere and Sussmann 1991)"
         }
         SteerMethod::Flat => "polynomials in flat outputs (Fliess, Lévine, Martin, and Rouchon 1995)",
         SteerMethod::Shooting => "shooting: sinusoids found by Levenberg–Marquardt iterations on the end error",
@@ -22,7 +22,7 @@ pub(super) fn method(method: SteerMethod) -> &'static str {
 /// Why a method did not reach the end.
 pub(super) fn reason(reason: &SteerReason) -> String {
     match reason {
-        SteerReason::Drift => "the model has drift: it does not rest without inputs".to_owned(),
+        SteerReason::Drift => "the model has drift: it can move while all inputs are zero".to_owned(),
         SteerReason::NotAffine => "the equations are not affine in the inputs; try `bracketry affinize`".to_owned(),
         SteerReason::Switches => "the equations switch (dry friction, absolute values)".to_owned(),
         SteerReason::Delays => {

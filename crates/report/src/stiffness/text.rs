@@ -47,7 +47,7 @@ pub fn advice(advice: &Advice) -> String {
         }
         Advice::NotIdentified(why) => format!("{}: {why}", Method::JointSprings),
         Advice::Misfit { residual } => format!(
-            "{}: residuals of {residual:.1} σ, the model misses an effect or the noise is larger than stated",
+            "{}: residuals of {residual:.1} σ: the model misses an effect, or the noise is larger than stated",
             Method::JointSprings
         ),
         Advice::NoiseOverstated { residual } => format!(
@@ -364,7 +364,7 @@ pub fn loop_gain(found: &LoopGain) -> String {
         "not below 1: compensation and process may become unstable; reduce the depth of cut or the feed, or raise stiffness_error"
     };
     format!(
-        "with a process of {x}, {y}, {z} N/m: process stiffness × compliance {:.3}, loop through the compensation {:.3}\n{verdict}\n",
+        "with a process stiffness of {x}, {y}, and {z} N/m along x, y, and z: process stiffness × compliance {:.3}, loop through the compensation {:.3}\n{verdict}\n",
         gains.process, gains.compensation
     )
 }

@@ -265,7 +265,7 @@ fn autonomous(when: Line, m: &ModeReport, out: &mut Vec<Block>) {
 fn by_switching(a: &Analysis, out: &mut Vec<Block>) {
     let Some(switched) = &a.report.switched else { return };
     out.push(words(format!(
-        "All modes together, by: {}; strongly accessible: {}.",
+        "Theorem for all modes together: {}; for strong accessibility: {}.",
         switched.accessible_by, switched.strongly_accessible_by
     )));
     match &switched.only_by_switching {
