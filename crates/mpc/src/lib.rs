@@ -18,7 +18,7 @@
 //! Where not all states are measured, an [`Estimator`] ([`ExtendedKalman`] or [`MovingHorizon`]) finds states, parameters and
 //! disturbances from an [`EstimationProblem`]; [`OffsetFree`] makes a controller of them that leaves no offset.
 //!
-//! Moving a mass from rest to rest in minimum time:
+//! A pendulum moves by 1 rad from rest to rest in 2 s, with the least ∫ u² dt:
 //!
 //! ```
 //! use bracketry_mpc::{CostFunction, CostKind, Ocp, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, TerminalTarget};

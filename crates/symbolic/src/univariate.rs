@@ -1,4 +1,4 @@
-//! UnivariatePolynomials of one variable with rational coefficients and their real roots.
+//! Polynomials in one variable with rational coefficients, and their real roots.
 
 use crate::Rational;
 

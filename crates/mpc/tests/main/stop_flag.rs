@@ -16,8 +16,17 @@ fn a_raised_flag_stops_every_method() {
         };
         let problem = ControlProblem::parse("problem", &text, model).unwrap();
         let mut plant = RungeKuttaPlant::new(Box::new(SymbolicDynamics::new(&problem.plant).unwrap()), 1);
-        problem.stop.raise();
-        let stopped = problem.run(&mut plant).map(|_| ());
-        assert!(matches!(stopped, Err(MpcError::Stopped)), "{method}: {stopped:?}");
+        // In the third sample, whose controller it stops or at whose end the loop ends; then before a run.
+        let mut last = 0;
+        for from in [2, 0] {
+            let during = problem.run_disturbed(&mut plant, |k, _| {
+                last = k;
+                if k >= from {
+                    problem.stop.raise();
+                }
+            });
+            assert!(matches!(during, Err(MpcError::Stopped)), "{method}: {:?}", during.map(|_| ()));
+            assert!(last <= 3, "{method}: went on to sample {last}");
+        }
     }
 }

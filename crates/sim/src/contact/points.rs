@@ -119,7 +119,7 @@ impl<const N: usize> FrictionPoints<N> {
         &mut self.chunks
     }
 
-    /// Whether all entries are finite and all bounds finite and not negative.
+    /// The first point with an entry that is not finite, or a bound that is not finite or negative; none if all are valid.
     pub(super) fn invalid(&self) -> Option<usize> {
         let bad = |chunk: &PointChunk<N>| {
             let mut worst = true;
