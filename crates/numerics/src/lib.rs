@@ -9,6 +9,7 @@
 //! assert_eq!(rms([3.0, -4.0, f64::NAN].into_iter()), 12.5f64.sqrt());
 //! ```
 
+pub mod collocation;
 pub mod dense;
 pub mod eigen;
 pub mod equations;

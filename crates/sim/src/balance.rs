@@ -2,18 +2,10 @@
 
 use crate::friction::Filippov;
 use crate::{InputError, Inputs, Model, Switched, Trajectory};
+use bracketry_numerics::collocation::GAUSS_5;
 use bracketry_symbolic::{Expr, Names, Pool};
 use bracketry_system::{InputDerivative, System};
 use rustc_hash::FxHashMap;
-
-/// Nodes and weights of the Gauss–Legendre rule of order 10 on `[0, 1]`.
-const GAUSS: [(f64, f64); 5] = [
-    (0.046_910_077_030_668, 0.118_463_442_528_094_54),
-    (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
-    (0.5, 0.284_444_444_444_444_44),
-    (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
-    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
-];
 
 /// Change of the work of a step, relative to all work so far, at which its quadrature is fine enough.
 const QUADRATURE: f64 = 1e-13;
@@ -198,7 +190,7 @@ impl Balance {
             }
             work += last.0;
             account.turnover += last.1;
-            for (node, _) in GAUSS {
+            for (node, _) in GAUSS_5 {
                 step.measure(t + node * (end - t), &mut values);
                 widen(&mut account.drifts, &firsts, &values);
             }
@@ -230,7 +222,7 @@ impl Step<'_> {
         let width = (to - from) / parts as f64;
         let (mut work, mut size) = (0.0, 0.0);
         for part in 0..parts {
-            for (node, weight) in GAUSS {
+            for (node, weight) in GAUSS_5 {
                 self.measure(from + (part as f64 + node) * width, values);
                 work += weight * width * values[1];
                 size += weight * width * values[1].abs();

@@ -6,8 +6,8 @@
 use super::interval::Interval;
 use super::one_step::{Differentiated, OneStepMethod, set_identity};
 use super::stages::Stages;
-use super::tableau::Tableau;
 use crate::dynamics::Dynamics;
+use bracketry_numerics::collocation::Tableau;
 use bracketry_numerics::dense::Lu;
 
 /// Newton iterations after which a step has failed.

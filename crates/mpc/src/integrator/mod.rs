@@ -7,7 +7,6 @@ mod map;
 mod method;
 mod one_step;
 mod stages;
-mod tableau;
 #[cfg(test)]
 mod tests;
 
@@ -18,4 +17,3 @@ pub(crate) use map::MapIteration;
 pub use method::Integrator;
 pub(crate) use one_step::{Differentiated, OneStepMethod};
 pub(crate) use stages::Stages;
-pub(crate) use tableau::Tableau;

@@ -2,10 +2,11 @@
 
 use crate::dynamics::Dynamics;
 use crate::integrator::{
-    Collocation, Differentiated, ExplicitRungeKutta, Integrator, Interval, MapIteration, OneStepMethod, Stages, Tableau,
+    Collocation, Differentiated, ExplicitRungeKutta, Integrator, Interval, MapIteration, OneStepMethod, Stages,
 };
 use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
+use bracketry_numerics::collocation::Tableau;
 
 /// End states of every interval, and their derivatives.
 #[derive(Clone, Debug, Default)]
@@ -118,9 +119,10 @@ impl Shooter {
         let method: Box<dyn OneStepMethod> = match integrator {
             Integrator::Map => Box::new(MapIteration::new(n, m, pattern)),
             Integrator::Rk4 => Box::new(ExplicitRungeKutta::new(n, m, pattern, &closure)),
-            Integrator::GaussLegendre { .. } | Integrator::RadauIIA { .. } => {
-                Box::new(Collocation::new(n, m, pattern, Tableau::new(integrator)))
+            Integrator::GaussLegendre { stages } => {
+                Box::new(Collocation::new(n, m, pattern, Tableau::gauss_legendre(stages)))
             }
+            Integrator::RadauIIA { stages } => Box::new(Collocation::new(n, m, pattern, Tableau::radau_iia(stages))),
         };
         Self {
             n,

@@ -1,8 +1,6 @@
 //! Continuous extensions of steps.
 
-const ROOT6: f64 = 2.449_489_742_783_178;
-/// Nodes of the implicit method.
-pub(crate) const RADAU_NODES: [f64; 3] = [(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0];
+use bracketry_numerics::collocation::RADAU_3_NODES;
 
 /// The continuous extension at `theta ∈ [0, 1]` of a step with the five coefficient vectors `r` (Hairer's `rcont`).
 pub(crate) fn interpolate(r: &[f64], n: usize, theta: f64, x: &mut [f64]) {
@@ -14,7 +12,7 @@ pub(crate) fn interpolate(r: &[f64], n: usize, theta: f64, x: &mut [f64]) {
 
 /// Start and nodes of an implicit step.
 fn nodes() -> [f64; 4] {
-    [0.0, RADAU_NODES[0], RADAU_NODES[1], RADAU_NODES[2]]
+    [0.0, RADAU_3_NODES[0], RADAU_3_NODES[1], RADAU_3_NODES[2]]
 }
 
 /// Lagrange's weights at `theta` for the start and the nodes of an implicit step.

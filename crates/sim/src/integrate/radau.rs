@@ -4,18 +4,13 @@
 //! stiffly accurate) with the directions of the stages as unknowns: `|σ(t_i, X_i)| s_i = σ(t_i, X_i)`. Written so, the
 //! equations stay well conditioned down to `σ = 0`, from where a unit vector starts when it breaks loose.
 
-use super::dense::{RADAU_NODES as C, third_difference};
+use super::dense::third_difference;
 use super::step::{Attempt, Control, RADAU_STAGES, Step};
 use crate::friction::{Field, Mode, divide, norm};
+use bracketry_numerics::collocation::{RADAU_3 as A, RADAU_3_NODES as C};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-const ROOT6: f64 = 2.449_489_742_783_178;
-const A: [[f64; 3]; 3] = [
-    [(88.0 - 7.0 * ROOT6) / 360.0, (296.0 - 169.0 * ROOT6) / 1800.0, (-2.0 + 3.0 * ROOT6) / 225.0],
-    [(296.0 + 169.0 * ROOT6) / 1800.0, (88.0 + 7.0 * ROOT6) / 360.0, (-2.0 - 3.0 * ROOT6) / 225.0],
-    [(16.0 - ROOT6) / 36.0, (16.0 + ROOT6) / 36.0, 1.0 / 9.0],
-];
 /// The embedded third-order error (Hairer and Wanner's, without their filter) is this times the third divided difference
 /// of the field.
 const EMBEDDED: f64 = 0.0275;
