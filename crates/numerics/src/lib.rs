@@ -13,4 +13,5 @@ pub mod collocation;
 pub mod dense;
 pub mod eigen;
 pub mod equations;
+pub mod spline;
 pub mod statistics;

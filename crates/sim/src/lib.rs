@@ -26,13 +26,13 @@ mod scenario;
 mod sensitivity;
 mod settings;
 mod simulate;
-mod smoothing_spline;
 mod stepper;
 mod switched;
 mod trajectory;
 
 pub use algebraic_root::{AlgebraicRoot, NoRoot, NoRootReason};
 pub use balance::{Account, Balance};
+pub use bracketry_numerics::spline::{Bandwidth, SmoothingSpline, smooth};
 pub use breakdown::{Breakdown, Undefined, UndefinedPart};
 pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
 pub use discrete::DiscreteModel;
@@ -45,7 +45,6 @@ pub use scenario::{SampledScenario, Scenario, ScenarioError, ScenarioRun, Sensor
 pub use sensitivity::{Path, Saltation, Tangent};
 pub use settings::{Settings, SimError};
 pub use simulate::{Simulation, simulate};
-pub use smoothing_spline::{Bandwidth, SmoothingSpline, smooth};
 pub use stepper::Stepper;
 pub use switched::{Closures, Coupled, Switched};
 pub use trajectory::Trajectory;

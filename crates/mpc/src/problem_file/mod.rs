@@ -19,7 +19,6 @@ mod references;
 mod scaling;
 mod scenarios;
 mod solve;
-mod spline;
 mod time_function;
 mod tree;
 mod uncertainty;

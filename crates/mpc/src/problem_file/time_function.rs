@@ -1,16 +1,16 @@
 //! Quantities that are known over time: expressions, or columns of tables.
 
 use super::reader::{Located, Parsed, Reader};
-use super::spline::CubicSpline;
 use crate::ocp::derivative_name;
 use crate::problem::Scheduled;
+use bracketry_numerics::spline::NaturalSpline;
 use bracketry_sim::{Hold, InputError, Samples};
 use bracketry_system::{Columns, Document, Entries, Table, Value};
 
 /// A column of a table, and how it goes on between its rows.
 enum Curve {
     Sampled(Samples),
-    Cubic(CubicSpline),
+    Cubic(NaturalSpline),
 }
 
 impl Curve {
@@ -101,7 +101,7 @@ impl Reader<'_> {
         let (last, rows) = (times.last().copied(), times.len());
         let curve = match hold {
             Some(_) => Curve::Sampled(samples),
-            None => Curve::Cubic(CubicSpline::new(times.clone(), values.clone())),
+            None => Curve::Cubic(NaturalSpline::new(times.clone(), values.clone())),
         };
         let scheduled = Scheduled::new(derivative_name(name, order), move |t| curve.derivative(t, order));
         // What is to be said of the table is said of the quantity itself.

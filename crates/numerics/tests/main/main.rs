@@ -5,4 +5,5 @@ mod collocation;
 mod dense;
 mod eigen;
 mod equations;
+mod splines;
 mod statistics;

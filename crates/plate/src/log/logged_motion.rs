@@ -1,7 +1,7 @@
 //! The plate motion in a log: smooth pieces between jumps.
 
-use super::spline::Spline;
 use crate::{PlateKinematics, PlateMotion};
+use bracketry_numerics::spline::ReinschSpline;
 
 /// Neighbors on either side that a jump is compared with, and how many times theirs it must be.
 const NEIGHBORS: usize = 8;
@@ -13,7 +13,7 @@ const SMALLEST_JUMP: f64 = 1e-7;
 #[derive(Clone, Debug)]
 pub struct LoggedMotion {
     /// Start of each piece with its splines of displacement and tilt.
-    pieces: Vec<(f64, Spline, Spline)>,
+    pieces: Vec<(f64, ReinschSpline, ReinschSpline)>,
     end: f64,
 }
 
@@ -35,7 +35,7 @@ impl LoggedMotion {
         let ends = starts.iter().skip(1).copied().chain([t.len()]);
         let piece = |(from, to): (&usize, usize)| {
             let part = *from..to;
-            let fit = |column: &[f64]| Spline::fit(&t[part.clone()], &column[part.clone()]);
+            let fit = |column: &[f64]| ReinschSpline::fit(&t[part.clone()], &column[part.clone()]);
             (t[*from], fit(displacement), fit(tilt))
         };
         Self { pieces: starts.iter().zip(ends).map(piece).collect(), end: t[t.len() - 1] }
@@ -48,7 +48,7 @@ impl LoggedMotion {
 
     /// The jumps between smooth pieces.
     pub fn jumps(&self) -> Vec<Jump> {
-        let jump = |w: &[(f64, Spline, Spline)]| {
+        let jump = |w: &[(f64, ReinschSpline, ReinschSpline)]| {
             let (before, after) = (w[0].1.at(w[1].0), w[1].1.at(w[1].0));
             Jump { t: w[1].0, displacement: after[0] - before[0], velocity: after[1] - before[1] }
         };

@@ -2,8 +2,8 @@
 
 use super::period_start::SignSource;
 use super::setup::PlateSetup;
-use crate::log::noise;
 use crate::{Coordinate, Experiment, PlateError, PlateLog, PlateMotion};
+use bracketry_numerics::spline::noise;
 
 /// An error of more standard deviations is not a matter of noise.
 pub(super) const DEVIATIONS: f64 = 3.0;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use bracketry_numerics::statistics::{median, steps};
+use crate::statistics::{median, steps};
 
 /// Unknowns per sample: value, first and second derivative.
 const N: usize = 3;

@@ -1,6 +1,6 @@
-//! Smoothing splines: a sampled motion with its derivatives.
+//! Cubic smoothing splines whose ends need not be straight.
 
-use bracketry_numerics::statistics::median;
+use crate::statistics::median;
 
 /// Relative rounding below which a column counts as exact.
 const EXACT: f64 = 1e-13;
@@ -14,10 +14,10 @@ const END: usize = 7;
 /// samples is that of their noise, the one with the least `∫ (f − p)''²`. The cubic `p` has the second derivatives of
 /// the motion at both ends, so that the spline need not be straight there.
 ///
-/// Not the quintic `bracketry_sim::SmoothingSpline`, whose third derivative vanishes at the ends: a plate is simulated from the
+/// Not the quintic [`SmoothingSpline`](super::SmoothingSpline), whose third derivative vanishes at the ends: a plate is simulated from the
 /// first sample on, where that spline's acceleration is less exact.
 #[derive(Clone, Debug)]
-pub(crate) struct Spline {
+pub struct ReinschSpline {
     times: Vec<f64>,
     values: Vec<f64>,
     /// Second derivatives at the knots.
@@ -92,10 +92,10 @@ fn end_curvature(times: &[f64], values: &[f64], at: f64) -> f64 {
     2.0 * square / (reach * reach)
 }
 
-impl Spline {
+impl ReinschSpline {
     /// The spline through or near `values` at increasing `times`, of equal length, at least one. The noise is estimated
     /// from the sixth differences, in which a smooth motion vanishes.
-    pub(crate) fn fit(times: &[f64], values: &[f64]) -> Self {
+    pub fn fit(times: &[f64], values: &[f64]) -> Self {
         let n = times.len();
         let ends = End::of(times, values);
         let (curve, values) = (values, values.iter().zip(times).map(|(v, t)| v - ends.at(*t)[0]).collect::<Vec<_>>());
@@ -123,12 +123,12 @@ impl Spline {
     }
 
     /// The times of the samples.
-    pub(crate) fn knots(&self) -> &[f64] {
+    pub fn knots(&self) -> &[f64] {
         &self.times
     }
 
     /// Value, first and second derivative at `t`; beyond the ends the curve goes on as a parabola.
-    pub(crate) fn at(&self, t: f64) -> [f64; 3] {
+    pub fn at(&self, t: f64) -> [f64; 3] {
         let n = self.times.len();
         if n == 1 {
             return [self.values[0], 0.0, 0.0];
@@ -151,7 +151,7 @@ impl Spline {
 }
 
 /// Standard deviation of independent noise that explains the sixth differences of `values`, by their median.
-pub(crate) fn noise(values: &[f64]) -> f64 {
+pub fn noise(values: &[f64]) -> f64 {
     const BINOMIAL: [f64; WINDOW] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
     let difference = |w: &[f64]| w.iter().zip(BINOMIAL).map(|(v, c)| v * c).sum::<f64>().abs();
     let middle = median(values.windows(WINDOW).map(difference).collect());
@@ -216,74 +216,4 @@ fn solve(times: &[f64], y: &[f64], weight: f64) -> (Vec<f64>, Vec<f64>) {
     let mut curvatures = vec![0.0; n];
     curvatures[1..=inner].copy_from_slice(&gamma);
     (values, curvatures)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn samples(n: usize, step: f64, f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
-        let t: Vec<f64> = (0..n).map(|k| k as f64 * step).collect();
-        let y = t.iter().map(|t| f(*t)).collect();
-        (t, y)
-    }
-
-    #[test]
-    fn exact_samples_are_interpolated_with_their_derivatives() {
-        let (t, y) = samples(501, 2e-3, |t| (12.0 * t).sin());
-        let spline = Spline::fit(&t, &y);
-        for k in 0..500 {
-            let at = t[k] + 0.7e-3;
-            let [value, rate, acceleration] = spline.at(at);
-            let exact = [(12.0 * at).sin(), 12.0 * (12.0 * at).cos(), -144.0 * (12.0 * at).sin()];
-            // At the ends the second derivative is that of a cubic through a few samples, within 1 % of the largest.
-            let end = !(20..480).contains(&k);
-            let [a, b, c] = if end { [1e-6, 1e-3, 1.44] } else { [1e-8, 1e-5, 0.02] };
-            assert!((value - exact[0]).abs() < a && (rate - exact[1]).abs() < b, "{at}");
-            assert!((acceleration - exact[2]).abs() < c, "{at}");
-        }
-    }
-
-    #[test]
-    fn the_slope_is_the_derivative_of_the_value_and_the_curvature_that_of_the_slope() {
-        let (t, y) = samples(20, 0.1, |t| t * t * t - 2.0 * t * t);
-        let spline = Spline::fit(&t, &y);
-        let h = 1e-5;
-        for at in [0.031, 0.55, 1.234, 1.87] {
-            let [before, now, after] = [at - h, at, at + h].map(|t| spline.at(t));
-            assert!(((after[0] - before[0]) / (2.0 * h) - now[1]).abs() < 1e-8);
-            assert!(((after[1] - before[1]) / (2.0 * h) - now[2]).abs() < 1e-8);
-        }
-    }
-
-    #[test]
-    fn noise_is_estimated_and_taken_away() {
-        // A reproducible sequence, uniform in ±1 with standard deviation 1/√3.
-        let mut state = 1u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
-        let (t, exact) = samples(3000, 2e-3, |t| 0.02 * (12.0 * t).sin());
-        let noisy: Vec<f64> = exact.iter().map(|v| v + 1e-5 * random()).collect();
-        let expected = 1e-5 / 3f64.sqrt();
-        assert!((noise(&noisy) / expected - 1.0).abs() < 0.15, "{}", noise(&noisy));
-        let spline = Spline::fit(&t, &noisy);
-        let rms = |f: &dyn Fn(usize) -> f64| ((50..2950).map(|k| f(k).powi(2)).sum::<f64>() / 2900.0).sqrt();
-        let value = rms(&|k| spline.at(t[k])[0] - exact[k]);
-        assert!(value < 0.5 * expected, "{value}");
-        let curvature = rms(&|k| spline.at(t[k])[2] + 144.0 * exact[k]);
-        // Second differences of the samples would be off by √6 σ/h² = 3.5 m/s².
-        assert!(curvature < 0.1, "{curvature}");
-    }
-
-    #[test]
-    fn short_columns_are_interpolated() {
-        assert_eq!(Spline::fit(&[0.0], &[3.0]).at(1.0), [3.0, 0.0, 0.0]);
-        let two = Spline::fit(&[0.0, 2.0], &[0.0, 1.0]);
-        assert_eq!(two.at(1.0), [0.5, 0.5, 0.0]);
-        assert_eq!(two.at(4.0), [2.0, 0.5, 0.0]);
-        let three = Spline::fit(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]);
-        assert!((three.at(1.0)[0] - 1.0).abs() < 1e-12 && three.at(1.0)[2] < 0.0);
-    }
 }
