@@ -22,6 +22,14 @@ pub(crate) struct Stages {
     /// Adjoints μ_q, rows of n.
     pub(super) weights: Vec<f64>,
     entries: Vec<f64>,
+    /// ∇²(μ_qᵀ f) Z_q, w × w, and the rows of it that are not zero.
+    product: Vec<f64>,
+    rows: Vec<usize>,
+}
+
+/// Adds `factor` times `row` to `to`.
+fn add(to: &mut [f64], factor: f64, row: &[f64]) {
+    to.iter_mut().zip(row).for_each(|(t, r)| *t += factor * r);
 }
 
 impl Stages {
@@ -60,24 +68,46 @@ impl Stages {
     ) {
         let n = dynamics.states();
         let w = n + u.len();
+        let Self { times, states, sensitivities, weights, entries, product, rows, .. } = self;
+        entries.resize(pattern.len(), 0.0);
+        product.resize(w * w, 0.0);
+        rows.clear();
+        rows.extend(pattern.iter().flat_map(|&(i, j)| [i, j]));
+        rows.sort_unstable();
+        rows.dedup();
         out.fill(0.0);
-        self.entries.resize(pattern.len(), 0.0);
-        for (q, &time) in self.times.iter().enumerate() {
-            let (x, weights) = (&self.states[q * n..(q + 1) * n], &self.weights[q * n..(q + 1) * n]);
-            dynamics.weighted_hessian(time, x, u, weights, &mut self.entries);
-            let block = &self.sensitivities[q * n * w..(q + 1) * n * w];
-            let row = |i: usize, c: usize| if i < n { block[i * w + c] } else { f64::from(u8::from(i == c)) };
-            for (&(i, j), &v) in pattern.iter().zip(&self.entries) {
-                for a in (0..w).filter(|&a| row(i, a) != 0.0) {
-                    let scaled = v * row(i, a);
-                    for b in 0..w {
-                        let product = scaled * row(j, b);
-                        out[a * w + b] += product;
-                        if i != j {
-                            out[b * w + a] += product;
-                        }
-                    }
+        for (q, &time) in times.iter().enumerate() {
+            let (x, weights) = (&states[q * n..(q + 1) * n], &weights[q * n..(q + 1) * n]);
+            dynamics.weighted_hessian(time, x, u, weights, entries);
+            let block = &sensitivities[q * n * w..(q + 1) * n * w];
+            // H Z first, then Zᵀ(H Z): a row of length w per second derivative instead of a block.
+            for &i in &*rows {
+                product[i * w..(i + 1) * w].fill(0.0);
+            }
+            let mut entry = |i: usize, j: usize, v: f64| {
+                let to = &mut product[i * w..(i + 1) * w];
+                if j < n { add(to, v, &block[j * w..(j + 1) * w]) } else { to[j] += v }
+            };
+            for (&(i, j), &v) in pattern.iter().zip(&*entries) {
+                entry(i, j, v);
+                if i != j {
+                    entry(j, i, v);
                 }
+            }
+            for &i in &*rows {
+                let row = &product[i * w..(i + 1) * w];
+                if i < n {
+                    for (a, &z) in block[i * w..(i + 1) * w].iter().enumerate().filter(|(_, z)| **z != 0.0) {
+                        add(&mut out[a * w + a..(a + 1) * w], z, &row[a..]);
+                    }
+                } else {
+                    add(&mut out[i * w + i..(i + 1) * w], 1.0, &row[i..]);
+                }
+            }
+        }
+        for a in 0..w {
+            for b in 0..a {
+                out[a * w + b] = out[b * w + a];
             }
         }
     }
