@@ -10,8 +10,11 @@
 //! ```
 
 pub mod collocation;
+#[cfg(feature = "dense")]
 pub mod dense;
 pub mod eigen;
 pub mod equations;
+#[cfg(feature = "dense")]
+pub mod rows;
 pub mod spline;
 pub mod statistics;

@@ -2,8 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 mod collocation;
+#[cfg(feature = "dense")]
 mod dense;
 mod eigen;
 mod equations;
+#[cfg(feature = "dense")]
+mod rows;
 mod splines;
 mod statistics;
