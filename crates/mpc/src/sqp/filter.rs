@@ -89,6 +89,7 @@ impl Filter {
     }
 }
 
+/// Without defects before, only the objective can improve.
 fn improves(trial: &Merit, (defects, objective): (f64, f64)) -> bool {
-    trial.defects <= (1.0 - MARGIN) * defects || trial.objective <= objective - MARGIN * defects
+    trial.defects < (1.0 - MARGIN) * defects || trial.objective <= objective - MARGIN * defects
 }

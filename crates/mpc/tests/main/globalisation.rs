@@ -15,7 +15,7 @@ fn filter_alone() -> SqpSettings {
     SqpSettings { interior_point: false, ..SqpSettings::default() }
 }
 
-/// min ½(u² + v²) − u on the circle u² + v² = 1, from the angle 0.5 on it. The Hessian is that of the Lagrangian, yet every
+/// min ½(u² + v²) − u on the circle u² + v² = 1, from the angle 0.3 on it. The Hessian is that of the Lagrangian, yet every
 /// whole step leaves the circle by the square of its length and the exact penalty rises (N. Maratos, 1978).
 fn maratos(second_order_correction: bool) -> Solution {
     let text = r#"
@@ -29,8 +29,12 @@ fn maratos(second_order_correction: bool) -> Solution {
     let function = VectorFunction::parse(&system, &[], &["u^2 + v^2"]).unwrap();
     let bounds = Bounds { min: 1.0, max: 1.0, softness: Softness::Hard };
     ocp.path_constraints = vec![PathConstraint { name: String::new(), function, bounds, at_end: false }];
-    let guess = Trajectory::from_rows(&[vec![0.0], vec![0.5f64.cos()]], &[vec![0.5f64.cos(), 0.5f64.sin()]]).unwrap();
-    let settings = SqpSettings { second_order_correction, ..filter_alone() };
+    let angle = 0.3_f64;
+    let guess = Trajectory::from_rows(&[vec![0.0], vec![angle.cos()]], &[vec![angle.cos(), angle.sin()]]).unwrap();
+    // The penalty is exact from the multiplier 1/2 on. What a correction leaves of the violation, of the third order, shall cost less than
+    // the step gains.
+    let mut settings = SqpSettings { second_order_correction, ..filter_alone() };
+    settings.qp.hard_weight = 10.0;
     solver(&system, ocp, settings).solve(&[0.0], &guess).unwrap()
 }
 
