@@ -197,16 +197,15 @@ impl Reader<'_> {
 
     /// The form in which the quadratic programs are solved.
     fn backend(&self, solve: &Table<'_>) -> Parsed<ProgramForm> {
-        let condensed = self.doc.string(solve, "backend")?.as_deref() == Some("condensed");
-        if let Some(v) = solve.get("block").filter(|_| !condensed) {
-            return Err(self
-                .doc
-                .error(v.span(), "`block` applies to condensing only", "add backend = \"condensed\"")
-                .into());
+        let in_blocks = matches!(self.doc.string(solve, "backend")?.as_deref(), Some("stagewise" | "condensed"));
+        if let Some(v) = solve.get("block").filter(|_| !in_blocks) {
+            let remedy = "add backend = \"stagewise\" or \"condensed\"";
+            return Err(self.doc.error(v.span(), "`block` applies to condensing only", remedy).into());
         }
-        let block = if condensed { self.count(solve, "block", Some(1_000_000))? } else { 0 };
+        let block = if in_blocks { self.count(solve, "block", Some(1_000_000))? } else { 0 };
         let forms = [
             ("automatic", ProgramForm::Automatic),
+            ("stagewise", ProgramForm::Stagewise { block }),
             ("sparse", ProgramForm::Sparse),
             ("condensed", ProgramForm::Condensed { block }),
         ];

@@ -1,7 +1,7 @@
 //! Layout of the stage program: which variables, rows and places there are.
 
 use super::exact_hessian::{StageBlocks, block_places};
-use super::program::{NOWHERE, StageProgram};
+use super::program::{NOWHERE, Side, StageProgram};
 use crate::ocp::{Ocp, Softness};
 
 /// A bound of one variable: row, whether it is the upper one.
@@ -168,9 +168,25 @@ impl Assembly {
         if let Some((set, at)) = set {
             assembly.add_terminal_cone(set.root(), at);
         }
+        assembly.pair_rows();
         assembly.place_second_derivatives(ocp);
         assembly.set_scales(ocp);
         assembly
+    }
+
+    /// Notes which rows bound one function from both sides.
+    fn pair_rows(&mut self) {
+        let sides = &mut self.program.sides;
+        for bounds in [&self.input_rows, &self.state_rows, &self.target_rows] {
+            for pair in bounds.windows(2).filter(|pair| (pair[0].k, pair[0].of) == (pair[1].k, pair[1].of)) {
+                sides[pair[1].row] = Side::OppositeOf(pair[0].row);
+            }
+        }
+        for rows in &self.path {
+            if let [first, second] = rows.sides.as_slice() {
+                sides[second.1] = Side::OppositeOf(first.1);
+            }
+        }
     }
 
     fn bound_inputs(&mut self, ocp: &Ocp) {
@@ -229,7 +245,8 @@ impl Assembly {
     /// A slack with its bound.
     fn add_slack(&mut self, at: &SlackPlace, softness: Softness, factor: f64, scale: f64) {
         let variable = self.program.slack(at.k, at.place);
-        self.program.add_bound(at.k, variable, false, None);
+        let row = self.program.add_bound(at.k, variable, false, None);
+        self.program.sides[row] = Side::SlackBound;
         self.slacks.push(Slack { variable, softness, factor, scale });
     }
 
@@ -360,6 +377,7 @@ impl StageProgram {
     fn add_row(&mut self, k: usize) -> usize {
         self.right.push(0.0);
         self.row_stage.push(k);
+        self.sides.push(Side::First);
         self.right.len() - 1
     }
 

@@ -1,14 +1,21 @@
 //! What a solver of stage programs does, and its settings.
 
 use super::program::StageProgram;
-use crate::error::MpcError;
+use crate::error::{MpcError, check_value};
 
 /// The form in which the quadratic program is solved. The solution is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProgramForm {
-    /// Partial condensing with the block that is about the fastest: ⌈n/m⌉ intervals, between 2 and 5.
+    /// [`ProgramForm::Stagewise`] where it applies, with Clarabel for the programs that it does not solve; else Clarabel with partial condensing.
+    /// Blocks have the length that is about the fastest.
     #[default]
     Automatic,
+    /// The Riccati recursion over blocks of this many intervals, for programs without norm constraints, terminal sets, move blocks,
+    /// and scenario trees; those go to Clarabel.
+    Stagewise {
+        /// Number of intervals of a block.
+        block: usize,
+    },
     /// Multiple shooting as it stands: every state is a variable.
     Sparse,
     /// Partial condensing: states stay variables at every `block`-th grid point, the others are eliminated. A block of at
@@ -50,6 +57,19 @@ impl Default for QpSettings {
             time_limit: f64::INFINITY,
             hard_weight: 1e4,
         }
+    }
+}
+
+impl QpSettings {
+    /// Whether the settings are within their ranges.
+    pub(super) fn check(&self) -> Result<(), MpcError> {
+        let valid = self.tolerance > 0.0 && self.tolerance < 1.0 && self.time_limit > 0.0;
+        check_value(
+            valid,
+            "the tolerance of the quadratic program",
+            self.tolerance,
+            "give a tolerance between 0 and 1, and a positive time limit",
+        )
     }
 }
 

@@ -6,6 +6,7 @@
 //! so.
 
 mod assembly;
+mod automatic;
 mod backend;
 mod clarabel;
 mod condensing;
@@ -14,6 +15,7 @@ mod filling;
 mod nonlinear;
 mod program;
 mod sparsity;
+mod stagewise;
 #[cfg(test)]
 mod tests;
 
@@ -27,8 +29,10 @@ use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
 use crate::transcription::Linearization;
 use assembly::Assembly;
+use automatic::Automatic;
 use clarabel::Clarabel;
 use filling::LinearizationPoint;
+use stagewise::Stagewise;
 
 /// A step and its multipliers.
 #[derive(Clone, Debug, Default)]
@@ -68,10 +72,14 @@ impl Qp {
         let assembly = Assembly::new(ocp, steps, closure, exact);
         let program = &assembly.program;
         let backend: Box<dyn QpBackend> = match settings.form {
-            ProgramForm::Automatic => {
-                let block = program.states.div_ceil(program.inputs.max(1)).clamp(2, 5);
-                Box::new(Clarabel::condensed(program, settings, block))
-            }
+            ProgramForm::Automatic => match Automatic::new(program, settings) {
+                Some(automatic) => Box::new(automatic),
+                None => Box::new(Clarabel::condensed(program, settings, automatic::clarabel_block(program))),
+            },
+            ProgramForm::Stagewise { block } => match Stagewise::new(program, settings, block.max(1)) {
+                Some(stagewise) => Box::new(stagewise),
+                None => Box::new(Clarabel::condensed(program, settings, automatic::clarabel_block(program))),
+            },
             ProgramForm::Sparse => Box::new(Clarabel::sparse(program, settings)),
             ProgramForm::Condensed { block } => Box::new(Clarabel::condensed(program, settings, block)),
         };

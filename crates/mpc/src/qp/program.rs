@@ -3,6 +3,17 @@
 /// An entry that stands nowhere: x_0 does not change.
 pub(super) const NOWHERE: usize = usize::MAX;
 
+/// What a row is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// A bound of something, the only one or the first.
+    First,
+    /// The bound of the same from the other side: entries of the other sign but for the slack.
+    OppositeOf(usize),
+    /// That of a slack.
+    SlackBound,
+}
+
 /// The quadratic program of one iteration.
 ///
 /// Variables are the changes dx_k (1 ≤ k ≤ N; dx_0 = 0) and du_k (0 ≤ k < N), and slacks s:
@@ -48,8 +59,9 @@ pub struct StageProgram {
     pub(crate) row_scale: Vec<f64>,
     /// Typical size of what the step changes in the objective.
     pub(crate) objective_scale: f64,
-    /// Grid point of every row.
+    /// Grid point of every row, and what it is.
     pub(crate) row_stage: Vec<usize>,
+    pub(crate) sides: Vec<Side>,
     /// Rows of the orthant, which come first.
     pub(crate) nonnegative: usize,
     /// Dimensions of the second-order cones, in order.
@@ -94,6 +106,15 @@ impl StageProgram {
         } else {
             None
         }
+    }
+    /// Grid point of a variable.
+    pub(super) fn grid_point(&self, variable: usize) -> usize {
+        self.first.partition_point(|&first| first <= variable) - 1
+    }
+    /// Number, in the list (x, u) at grid point k, of a variable there; `None` for a slack.
+    pub(super) fn place_of(&self, k: usize, variable: usize) -> Option<usize> {
+        let slacks = self.slack(k, 0)..self.slack(k, self.slacks[k]);
+        (!slacks.contains(&variable)).then(|| self.place_at(k, variable))
     }
     /// Number, in the list (x, u) at grid point k < N, of a variable that is a state or input there.
     pub(super) fn place_at(&self, k: usize, variable: usize) -> usize {
