@@ -11,6 +11,9 @@ const PENDULUM: &str = include_str!("../../models/cart_pole_swing_up.toml");
 /// Samples whose programs are handed to the others.
 const EVERY: usize = 8;
 
+/// Programs before the first sample.
+const INITIAL_ITERATIONS: usize = 10;
+
 /// The plate on its reduced model.
 const PLATE: &str = include_str!("../../models/plate_hold.toml");
 
@@ -48,8 +51,7 @@ fn real_time_iteration(problem: &ControlProblem, start: Trajectory, goal: &[f64]
         bracketry::mpc::Dynamics::set_smoothing(model.as_mut(), width);
     }
     let mut plant = RungeKuttaPlant::new(model, 2);
-    let Method::Rti { initial_iterations, .. } = problem.method else { panic!("a problem of real-time iteration") };
-    for _ in 1..initial_iterations {
+    for _ in 0..INITIAL_ITERATIONS {
         rti.feedback(&problem.x0).expect("a state of the right length");
     }
     let rows = |t: &Trajectory| -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {

@@ -4,7 +4,7 @@
 //! of several runs of the loop.
 
 use bracketry_mpc::{
-    ControlProblem, Dynamics, Method, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step,
+    ControlProblem, Dynamics, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step,
     SymbolicDynamics, Trajectory,
 };
 use bracketry_system::System;
@@ -12,6 +12,8 @@ use bracketry_system::System;
 /// Hold an object on the plate against errors of its pose, from a running oscillation.
 const PLATE: &str = include_str!("../../../models/plate_hold.toml");
 
+/// Programs before the first sample.
+const INITIAL_ITERATIONS: usize = 10;
 /// Runs of every loop, of which the least disturbed counts.
 const RUNS: usize = 7;
 
@@ -41,8 +43,7 @@ fn closed_loop(problem: &ControlProblem, qp: QpSettings) -> (Vec<Step>, f64) {
     let settings = RtiSettings { smoothing: problem.widths().last().copied(), qp, ..RtiSettings::default() };
     let mut rti = Rti::new(dynamics(problem), problem.ocp.clone(), start(problem), settings).expect("a controller");
     let mut plant = RungeKuttaPlant::new(dynamics(problem), 2);
-    let Method::Rti { initial_iterations, .. } = problem.method else { panic!("a problem of real-time iteration") };
-    for _ in 1..initial_iterations {
+    for _ in 0..INITIAL_ITERATIONS {
         rti.feedback(&problem.x0).expect("a state of the right length");
     }
     let (mut x, mut steps, mut effort) = (problem.x0.clone(), Vec::new(), 0.0);
@@ -85,7 +86,8 @@ fn table(name: &str, problem: &ControlProblem) {
     row(problem, "default", QpSettings::default());
     row(problem, "sparse", form(ProgramForm::Sparse));
     for block in [2, 3, 5, 10, 20, problem.ocp.steps] {
-        row(problem, &format!("blocks of {block}"), form(ProgramForm::Condensed { block }));
+        row(problem, &format!("Clarabel, blocks of {block}"), form(ProgramForm::Condensed { block }));
+        row(problem, &format!("stagewise, blocks of {block}"), form(ProgramForm::Stagewise { block }));
     }
     row(problem, "sizes from numbers", QpSettings { equilibrate: true, ..QpSettings::default() });
     row(problem, "refined", QpSettings { refine: true, ..QpSettings::default() });
