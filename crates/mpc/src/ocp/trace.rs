@@ -54,6 +54,9 @@ pub struct LargestViolation {
     pub sample: usize,
 }
 
+/// What rounding adds to a value on its bound, relative to it.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 impl LargestViolation {
     /// The larger of what was found before and this one, if it is one; what is no number counts most.
     fn or(found: Option<Self>, of: Bounded, sample: usize, v: f64, (min, max): (f64, f64)) -> Option<Self> {
@@ -63,7 +66,8 @@ impl LargestViolation {
         let bounded = min != f64::NEG_INFINITY || max != f64::INFINITY;
         let larger = match &found {
             Some(f) => !f.by.is_nan() && (by.is_nan() || by > f.by),
-            None => by > 0.0 || by.is_nan(),
+            // A value that rounding put past a bound on which it lies keeps it.
+            None => by.is_nan() || by > ROUNDING * v.abs(),
         };
         if bounded && larger { Some(Self { of, side, by, sample }) } else { found }
     }
