@@ -36,6 +36,17 @@ impl Target {
         }
     }
 
+    /// The name as its users write it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Target::C => "C",
+            Target::Rust => "Rust",
+            Target::Python => "Python",
+            Target::Casadi => "CasADi",
+            Target::Julia => "Julia",
+        }
+    }
+
     /// The language of its statements.
     pub(crate) fn language(self) -> Language {
         match self {

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 pub fn export_text(export: &Export) -> String {
     let files: Vec<&str> = export.files.iter().map(|f| f.name.as_str()).collect();
     let arguments = if export.parameters.is_empty() { "t, x, u" } else { "t, x, u, p" };
-    let mut out = format!("{} in {}: {}\n", export.model, export.target, files.join(", "));
+    let mut out = format!("{} in {}: {}\n", export.model, export.target.title(), files.join(", "));
     for f in &export.functions {
         // Writing to a string does not fail.
         let _ = writeln!(out, "  {}({arguments}) = {}: {}; {} operations", f.name, arrays(f), f.about(), f.operations);

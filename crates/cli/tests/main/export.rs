@@ -16,7 +16,7 @@ fn a_folder_gets_the_files_and_the_report_says_what_they_hold() {
     let o = bracketry(&["export", &model, "--language", "c", "--out", out.to_str().unwrap()]);
     let printed = text(&o.stdout);
     assert_eq!(code(&o), 0, "{}", text(&o.stderr));
-    assert!(printed.starts_with("block in c: block.h, block.c\n"), "{printed}");
+    assert!(printed.starts_with("block in C: block.h, block.c\n"), "{printed}");
     assert!(printed.contains("f_jacobian(t, x, u) = f_x (1 × 1), f_u (1 × 1)"), "{printed}");
     assert!(printed.contains("note: set-valued in the model, here 0") && printed.contains("sign(v)"), "{printed}");
     let header = fs::read_to_string(out.join("block.h")).unwrap();
