@@ -45,7 +45,7 @@ def figure(t: Floats, poses: Floats, plates: Floats) -> Figure:
         axis.grid(alpha=0.3)
         axis.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     axes[2].set_xlabel("time (s)")
-    axes[0].set_title(f"Ellipse 0.15 m × 0.10 m in MuJoCo, μ = {FRICTION}, {BELIEVED} believed at first")
+    axes[0].set_title(f"Ellipse 0.15 m × 0.10 m in MuJoCo, μ = {FRICTION}, {BELIEVED} assumed initially")
     return drawn
 
 

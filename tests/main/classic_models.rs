@@ -151,7 +151,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(2),
         static_feedback: true,
         flat: Some("yes"),
-        source: "at the origin z ≥ x²/(2s) cannot be left: (z − x²/2s)' = (1 − b/2s) x² − b (z − x²/2s)",
+        source: "the set z ≥ x²/(2s), which contains the origin, cannot be left: (z − x²/2s)' = (1 − b/2s) x² − b (z − x²/2s)",
     },
     Known {
         file: "magnetic_levitation",

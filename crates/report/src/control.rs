@@ -53,7 +53,7 @@ impl fmt::Display for Text<'_> {
         if let Some(r) = &report.rounding {
             writeln!(
                 f,
-                "rounding       first plan costs {} relaxed, {} with inputs {} rounded to their values",
+                "rounding       first plan costs {} relaxed, {} with {} rounded to allowed values",
                 readable(r.relaxed_cost),
                 readable(r.rounded_cost),
                 r.inputs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
@@ -104,7 +104,7 @@ impl fmt::Display for Text<'_> {
         }
         writeln!(f)?;
         for r in &report.input_ranges {
-            let ends = [(r.min, "at least "), (r.max, "at most ")];
+            let ends = [(r.min, "at or above "), (r.max, "at or below ")];
             let ends = ends.into_iter().filter_map(|(end, word)| Some(format!("{word}{}", readable(end?))));
             writeln!(
                 f,
@@ -117,7 +117,7 @@ impl fmt::Display for Text<'_> {
         for (name, v) in report.x_final.iter() {
             write!(f, "final {name:<width$} {}", readable(*v))?;
             match report.miss.get(name) {
-                Some(e) => writeln!(f, ", misses its target by {}", readable(e.abs()))?,
+                Some(e) => writeln!(f, ", off its target by {}", readable(e.abs()))?,
                 None => writeln!(f)?,
             }
         }

@@ -238,7 +238,7 @@ impl fmt::Display for Nonlinearity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Nonlinearity::Derivative { input, order } => {
-                write!(f, "{input} enters up to its derivative of order {order}")
+                write!(f, "{input} enters with derivatives up to order {order}")
             }
             Nonlinearity::Nonlinear { input } => write!(f, "{input} enters nonlinearly"),
             Nonlinearity::Products { input, with } => write!(f, "{input} multiplies {}", with.join(", ")),
@@ -275,7 +275,7 @@ impl fmt::Display for Reason {
                 if let [input] = &inputs[..] {
                     format!("the input {input} enters")
                 } else {
-                    format!("the inputs {} enter", inputs.join(", "))
+                    format!("the inputs {} enter", inputs.join(" and "))
                 },
                 if *total > 1 { ", and fewer integrators alone do not suffice" } else { "" }
             ),

@@ -45,7 +45,7 @@ pub(crate) struct DiagnoseArgs {
     /// Model names of columns, such as force=u
     #[arg(long, value_name = "COLUMN=NAME,…", value_delimiter = ',', value_parser = renaming)]
     rename: Vec<(String, String)>,
-    /// Inputs between samples [default: held; linear for derivatives of inputs]
+    /// Inputs between samples [default: previous; linear for derivatives of inputs]
     #[arg(long, value_enum)]
     hold: Option<HoldArg>,
     /// Held-out runs on which the gain is measured
@@ -133,7 +133,9 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
         print(&diagnosis.to_string())?;
         match &output.out {
             Some(dir) => line(&format!("written to {}", dir.display()))?,
-            None => line("(--out DIR writes the extended model, figures, and a page with everything)")?,
+            None => line(
+                "(--out DIR writes a page with everything, the figures, and the extended model, if there are any)",
+            )?,
         }
     }
     Ok(outcome(&diagnosis.report))

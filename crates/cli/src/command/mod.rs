@@ -80,8 +80,8 @@ enum Command {
     /// Affine form, ranks, brackets, local controllability, flatness, and observability
     #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
         "Exit codes",
-        "0  every generic dimension, the requests of --at, --bracket, and --determines, and which states and \
-         parameters the outputs determine are decided; with --parameters or --map, the list of cases is proven \
+        "0  decided: every generic dimension, the requests of --at, --bracket, and --determines, and which states \
+         and parameters the outputs determine; with --parameters or --map, the list of cases is proven \
          complete; with --identifiability, local and global identifiability of all parameters are known\n\
          1  one of these is undecided; the report says which and why (other quantities may be unknown)\n2  bad input",
     )]))]

@@ -19,7 +19,7 @@ use super::{Outcome, OutputArgs};
 /// Shown by the help of `trim`.
 pub(crate) const TRIM_EXAMPLES: [(&str, &str); 2] = [
     ("An equilibrium near the model's point", "bracketry trim models/cart_pole.toml"),
-    ("An angle with the input that holds it", "bracketry trim pendulum.toml --fix th=1 --free u"),
+    ("An angle with the input that holds it", "bracketry trim models/pendulum_driven.toml --fix th=1 --free tau"),
 ];
 
 /// Shown by the help of `linearize`.

@@ -28,7 +28,7 @@ impl Story {
         let mut body = heading(1, self.title());
         body += &paragraph(text::OPENING.trim_end());
         let _ = writeln!(body, "<p class=\"verdict\">{}</p>", escaped(&self.verdict()));
-        body += &paragraph("On the true plant, with either model as the controller's prediction:");
+        body += &paragraph("On the true plant, with each model in the controller:");
         body += &self.table();
         let figures = self.chapters();
         let contents = [

@@ -228,16 +228,24 @@ impl Story {
         };
         let (unnamed, named): (Vec<&NamedCause>, Vec<_>) =
             self.diagnosis.report.causes.iter().partition(|c| c.name == Cause::UnknownTerm);
-        let mut causes: Vec<String> = named.iter().map(|c| format!("{} in {}", c.name, c.equation)).collect();
+        // One mention of a cause, with all its equations.
+        let mut equations: Vec<(String, Vec<&str>)> = Vec::new();
+        for c in named {
+            let name = c.name.to_string();
+            match equations.iter_mut().find(|(other, _)| *other == name) {
+                Some((_, of)) if of.contains(&c.equation.as_str()) => {}
+                Some((_, of)) => of.push(&c.equation),
+                None => equations.push((name, vec![&c.equation])),
+            }
+        }
+        let mut causes: Vec<String> =
+            equations.iter().map(|(name, of)| format!("{name} in {}", of.join(" and "))).collect();
         if causes.is_empty() {
             causes.push("no cause".to_owned());
         }
         let of: Vec<&str> = unnamed.iter().map(|c| c.equation.as_str()).collect();
-        let unnamed = if of.is_empty() {
-            String::new()
-        } else {
-            format!("; it also adds a term without a name in {}", of.join(", "))
-        };
+        let unnamed =
+            if of.is_empty() { String::new() } else { format!("; it also adds an unnamed term in {}", of.join(", ")) };
         let second = match &self.extended {
             None => "The diagnosis of the logs names no cause.".to_owned(),
             Some(moved) => {

@@ -40,7 +40,7 @@ impl fmt::Display for Note {
             Note::Delays { longest, samples, compensated } => write!(
                 f,
                 "the plant's inputs act up to {} s ({samples:.2} samples) later than commanded; the controller \
-                 compensates for {} of this delay",
+                 predicts over a delay of {}",
                 readable(*longest),
                 counted(*compensated, "sample", "samples")
             ),

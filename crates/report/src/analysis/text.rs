@@ -381,7 +381,7 @@ fn observability(f: &mut String, r: &ObservabilityReport, of: &str) -> fmt::Resu
         writeln!(f, "  directions along which no output changes: unknown ({why})")?;
     }
     if let Some(fix) = &r.fix_to_identify {
-        writeln!(f, "  all parameters are locally identifiable if these are known: {}", joined(fix, ", "))?;
+        writeln!(f, "  to make all parameters locally identifiable, it suffices to know: {}", joined(fix, ", "))?;
     }
     for (text, yes) in r.determined.iter().flat_map(|m| &m.0) {
         writeln!(f, "  {text}: {}", if *yes { "locally determined" } else { "not determined" })?;

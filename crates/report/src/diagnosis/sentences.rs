@@ -131,7 +131,7 @@ pub(super) fn note(note: &Note) -> String {
             )
         }
         Note::MostCauses { causes, allowed } => format!(
-            "the search stopped at the limit of {causes} causes; there may be more: use --max-causes {}",
+            "the search stopped at the limit of {causes} causes; there may be more: `bracketry diagnose --max-causes {}` searches on",
             2 * allowed
         ),
         Note::NoPlaces => format!("where the model is wrong cannot be shown: {NO_FORCE}"),

@@ -26,10 +26,7 @@ pub(super) fn note(n: &FormNote) -> String {
         FormNote::OutputOmitted { output } => {
             format!("the output {output} has no closed form in the new coordinates and is omitted")
         }
-        FormNote::RangesLost => {
-            "the old inputs have ranges; those of the new inputs depend on the state and are not written to the file"
-                .to_owned()
-        }
+        FormNote::RangesLost => "the old inputs have ranges, which are not transferred to the new inputs".to_owned(),
         FormNote::ParameterValues => "the change was confirmed for the given parameter values only".to_owned(),
         FormNote::Linearized => "the model is not linear: this is its linear approximation at the point".to_owned(),
         FormNote::Branch { through } => {

@@ -110,7 +110,7 @@ fn plan_lines(s: &Steering, plan: &Plan) -> Vec<String> {
             )]
         }
         Plan::Shooting { harmonics, starts } => {
-            vec![format!("  sinusoids per input: {harmonics}, starts: {starts}; success is not guaranteed")]
+            vec![format!("  sinusoids per input: {harmonics}, starts: {starts}")]
         }
     }
 }
@@ -161,7 +161,7 @@ pub fn steering_text(s: &Steering) -> String {
             SteerMethod::Flat => "flat outputs",
             SteerMethod::Shooting => "shooting",
         };
-        lines.push(format!("{name}: {}", reason(&attempt.reason)));
+        lines.push(format!("without result: {name}: {}", reason(&attempt.reason)));
     }
     lines.join("\n") + "\n"
 }

@@ -139,7 +139,7 @@ fn the_text_names_symmetries_and_remedies() {
     for line in [
         "  parameter k: not identifiable\n",
         "  while parameters are unknown, no output changes along k ∂k + m ∂m (scaling of k by s and m by s)\n",
-        "  all parameters are locally identifiable if these are known: k\n",
+        "  to make all parameters locally identifiable, it suffices to know: k\n",
     ] {
         assert!(text.contains(line), "{line} in {text}");
     }

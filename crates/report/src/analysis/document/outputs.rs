@@ -60,7 +60,7 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
         items.push(vec![text(format!("directions along which no output changes: unknown ({why})"))]);
     }
     if let Some(fix) = o.fix_to_identify.as_ref().filter(|f| !f.is_empty()) {
-        let mut line = vec![text("all parameters are locally identifiable if these are known: ")];
+        let mut line = vec![text("to make all parameters locally identifiable, it suffices to know: ")];
         line.extend(listed(fix.iter().map(|n| symbol(n))));
         items.push(line);
     }

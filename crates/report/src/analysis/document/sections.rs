@@ -305,7 +305,7 @@ fn certificate(a: &Analysis, out: &mut Vec<Block>) {
         text("Zero and rank are decided exactly modulo the prime "),
         math("2^{61}-1"),
         text(format!(
-            " at {} random point{}; the probability that any of {} decisions is wrong is ",
+            " at {} random point{}; the probability that any of the {} decisions is wrong is ",
             c.points(),
             if c.points() == 1 { "" } else { "s" },
             c.decisions()
