@@ -2,6 +2,29 @@
 //!
 //! A [`Record`] is one run of the real thing. The model's parameters are fitted to it anew, then what remains between
 //! measurement and simulation is put against a library of [`Effect`]s, each a change of the model with parameters of its own.
+//!
+//! ```
+//! use bracketry_diagnose::{Cause, Record, RecordSettings, Settings, diagnose};
+//! use bracketry_system::System;
+//! // The model of a cart knows no friction; the cart has some: v' = u − 0.8 v.
+//! let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u' }";
+//! let model = System::parse("cart.toml", text).unwrap();
+//! let (mut x, mut v, mut columns) = (0.0, 0.0, [vec![], vec![], vec![], vec![]]);
+//! for k in 0..400 {
+//!     let t = 0.02 * f64::from(k);
+//!     let u = (1.3 * t).sin() + 0.6 * (4.1 * t).cos();
+//!     columns.iter_mut().zip([t, x, v, u]).for_each(|(column, value): (&mut Vec<f64>, f64)| column.push(value));
+//!     // The exact solution over a sample with the input held.
+//!     let (decay, rest) = ((-0.8_f64 * 0.02).exp(), u / 0.8);
+//!     x += rest * 0.02 + (v - rest) * (1.0 - decay) / 0.8;
+//!     v = rest + (v - rest) * decay;
+//! }
+//! let [t, x, v, u] = columns;
+//! let columns = [("x", x), ("v", v), ("u", u)].map(|(name, values)| (name.to_owned(), values)).into();
+//! let (record, _) = Record::from_columns("run 1", t, columns, &model, &RecordSettings::default()).unwrap();
+//! let report = diagnose(&model, &[record], &[], &Settings::default(), &mut |_| ()).unwrap();
+//! assert_eq!(report.causes[0].name, Cause::ViscousFriction);
+//! ```
 
 mod effect;
 mod effort;

@@ -2,6 +2,19 @@
 //!
 //! A plate translates along its x axis, `X(t)`, and rotates about the same axis, `theta(t)`. An object lies on it without
 //! being grasped; its position `(x, y)` and yaw `phi` in the plate frame are moved by dry friction alone.
+//!
+//! ```
+//! use bracketry_plate::{Establishing, Harmonic, ModelObject, PeriodicMotion, Shape, mean_velocity, published};
+//! use bracketry_sim::Settings;
+//! let model = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
+//! let mut object = ModelObject::new(&model, [0.0; 6], &Settings::default()).unwrap();
+//! // The plate shakes with two harmonics, 3 Hz, and does not tilt: where the object lies, it creeps along x.
+//! let harmonic = |amplitude, phase| Harmonic { amplitude, phase };
+//! let displacement = vec![harmonic(0.04, 0.0), harmonic(0.02, 0.5)];
+//! let motion = PeriodicMotion { frequency: 3.0, displacement, tilt: vec![], mean_tilt: 0.0 };
+//! let mean = mean_velocity(&mut object, &motion, [0.0; 3], Establishing::default()).unwrap();
+//! assert!(mean.mean[0].abs() > 1e-3 && mean.mean[1].abs() < 1e-9);
+//! ```
 
 mod area;
 mod body;

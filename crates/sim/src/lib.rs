@@ -9,6 +9,19 @@
 //!
 //! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`ExactPlant`] do so
 //! piece by piece, as in a control loop.
+//!
+//! ```
+//! use bracketry_sim::{Inputs, Model, Settings, simulate};
+//! use bracketry_system::System;
+//! let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u - sign(v)' }";
+//! let block = System::parse("block.toml", text).unwrap();
+//! // Pushed with 3 against dry friction of 1 for one second, then left alone: it slides for two seconds more, and stops.
+//! let push = Inputs::new().expression("u", "1.5 + 1.5*sign(1 - t)");
+//! let run = simulate(Model::new(&block, &push).unwrap(), 0.0, &[0.0, 0.0], 5.0, &Settings::default()).unwrap();
+//! assert!(run.outcome.is_finished());
+//! assert!((run.trajectory.final_state()[0] - 3.0).abs() < 1e-9);
+//! assert!(run.trajectory.final_state()[1].abs() < 1e-12);
+//! ```
 
 mod algebraic_root;
 mod balance;

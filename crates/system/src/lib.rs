@@ -1,4 +1,17 @@
 //! Control systems: model files, parameters, switching modes, affine forms, compiled right-hand sides.
+//!
+//! ```
+//! use bracketry_system::System;
+//! let block = System::parse(
+//!     "block.toml",
+//!     "states = ['x', 'v']\ninputs = ['u']\nparameters = { m = 2 }\ndynamics = { x = 'v', v = 'u/m - sign(v)' }",
+//! )
+//! .unwrap();
+//! assert_eq!(block.state_names(), ["x", "v"]);
+//! // What is wrong has a place and a remedy.
+//! let error = System::parse("block.toml", "states = ['x']\ndynamics = { x = 'y' }").unwrap_err();
+//! assert!(error.to_string().contains("block.toml:2:"));
+//! ```
 
 mod affine;
 mod augment;
