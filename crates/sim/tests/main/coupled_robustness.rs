@@ -51,7 +51,7 @@ fn points_that_break_loose_together_slide_together() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+    #![proptest_config(crate::common::random_cases(40))]
 
     #[test]
     fn runs_finish_and_friction_only_dissipates(

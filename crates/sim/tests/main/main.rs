@@ -3,6 +3,7 @@
 
 mod affine;
 mod balance;
+mod common;
 mod contact;
 mod convergence;
 mod coupled_friction;

@@ -236,7 +236,7 @@ fn forces_found_by_iteration_are_shared_alike() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+    #![proptest_config(crate::common::random_cases(60))]
 
     #[test]
     fn the_motion_is_that_of_implicit_time_steps(
