@@ -135,7 +135,9 @@ impl InteriorPoint {
         if !self.start(&of) {
             return (Outcome::Failed, 0);
         }
-        let (mut short, mut least, mut lost) = (0, f64::INFINITY, 0);
+        let (mut short, mut lost) = (0, 0);
+        // What is left of the residuals, which every step shortens by its length, and the gap: the least so far.
+        let (mut left, mut least_left, mut least_gap) = (1.0_f64, 1.0, f64::INFINITY);
         for iteration in 0..=most {
             self.evaluate(&of);
             if self.is_solved(&of, tolerance, GAP) {
@@ -146,9 +148,12 @@ impl InteriorPoint {
             }
             let Some(length) = self.iterate(&of, tolerance) else { return (self.given_up(&of, tolerance), iteration) };
             short = if length < SHORTEST { short + 1 } else { 0 };
-            let distance = self.distance(&of);
-            lost = if distance < FALL * least { 0 } else { lost + 1 };
-            least = least.min(distance);
+            left = (left * (1.0 - length)).max(f64::EPSILON);
+            let gap = self.mean_gap(&of);
+            lost += 1;
+            if left < FALL * least_left || gap < FALL * least_gap {
+                (least_left, least_gap, lost) = (left.min(least_left), gap.min(least_gap), 0);
+            }
             if short == PATIENCE || lost == PERSISTENCE {
                 self.evaluate(&of);
                 return (self.given_up(&of, tolerance), iteration + 1);
@@ -179,7 +184,7 @@ impl InteriorPoint {
             self.at.s[i] = if f.slack.is_some() { distance } else { 0.0 };
             for (row, sign) in f.sides() {
                 let t = bound_of(of.program, f, row, sign) - sign * self.values[i] + self.at.s[i];
-                self.at.t[row] = t.max(distance);
+                self.at.t[row] = t.abs().max(distance);
                 self.at.v[row] = force * scale / self.at.t[row];
                 held += self.at.v[row];
             }
@@ -226,12 +231,6 @@ impl InteriorPoint {
             of.constraints.add_forces(j, &self.forces, slope);
             note(slope);
         }
-    }
-
-    /// How far the point is from complementarity and from its bounds' residuals, in units of the sizes.
-    fn distance(&self, of: &Problem<'_>) -> f64 {
-        let residual = of.rows().map(|row| self.residual[row].abs() / of.program.row_scale[row]).fold(0.0, f64::max);
-        residual + self.mean_gap(of) / of.program.objective_scale
     }
 
     /// Mean product of distance and multiplier after a step of this length.
