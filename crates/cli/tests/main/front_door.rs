@@ -298,5 +298,5 @@ fn analyze_ends_with_1_where_a_dimension_is_undecided() {
     let o = at("y=0");
     assert!(code(&o) == 1 && text(&o.stdout).contains("unknown"), "{}", text(&o.stdout));
     let help = text(&bracketry(&["analyze", "--help"]).stdout);
-    assert!(help.contains("0  every generic dimension, the requests of --at"), "{help}");
+    assert!(help.contains("0  decided: every generic dimension, the requests of --at"), "{help}");
 }
