@@ -51,5 +51,8 @@ fn a_loop_applies_the_delay_and_the_controller_knows_it() {
     assert!((delayed / same - 1.0).abs() < 1e-3, "{delayed} {same}");
     // A controller that is not told does worse.
     let (_, untold, notes) = rest(&problem("[delays]\nF = 0.15", "compensate_delay = false\n"));
-    assert!(untold > 1.02 * delayed && notes.contains("predicts over a delay of 0 samples"), "{untold} {delayed} {notes}");
+    assert!(
+        untold > 1.02 * delayed && notes.contains("predicts over a delay of 0 samples"),
+        "{untold} {delayed} {notes}"
+    );
 }
