@@ -5,11 +5,14 @@
 //! Every row is one closed loop from a chain deflected for 1 s, beside a wall with soft bounds. Times are medians over its
 //! samples, the smallest of several runs of the loop.
 
+mod common;
+
 use bracketry_mpc::{
-    ControlProblem, Controller, Dynamics, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Sqp,
-    SqpController, SqpSettings, Step, SymbolicDynamics, Trajectory,
+    ControlProblem, Dynamics, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Sqp, SqpController,
+    SqpSettings, Step, SymbolicDynamics, Trajectory,
 };
 use bracketry_system::System;
+use common::{closed_loop, median};
 use std::fmt::Write as _;
 
 /// Numbers of masses that move.
@@ -128,16 +131,7 @@ fn real_time(problem: &ControlProblem, qp: QpSettings) -> (Vec<Step>, f64) {
         rti.feedback(&problem.x0).expect("a state of the right length");
     }
     let mut plant = RungeKuttaPlant::new(dynamics(problem), 10);
-    let (mut x, mut steps, mut effort) = (problem.x0.clone(), Vec::new(), 0.0);
-    for k in 0..SAMPLES {
-        rti.prepare().expect("settings within their ranges");
-        let step = rti.feedback(&x).expect("a state of the right length").clone();
-        rti.shift();
-        plant.step(k as f64 * problem.ocp.dt, &mut x, &step.u, problem.ocp.dt).expect("a smooth plant");
-        effort += step.u.iter().map(|u| u * u).sum::<f64>();
-        steps.push(step);
-    }
-    (steps, effort)
+    closed_loop(problem, &mut rti, &mut plant)
 }
 
 /// One closed loop of converged solutions.
@@ -145,21 +139,7 @@ fn converged(problem: &ControlProblem) -> (Vec<Step>, f64) {
     let solver = Sqp::new(dynamics(problem), problem.ocp.clone(), SqpSettings::default()).expect("a solver");
     let mut sqp = SqpController::new(solver, start(problem));
     let mut plant = RungeKuttaPlant::new(dynamics(problem), 10);
-    let (mut x, mut steps, mut effort) = (problem.x0.clone(), Vec::new(), 0.0);
-    for k in 0..SAMPLES {
-        let step = sqp.feedback(&x).expect("a state of the right length").clone();
-        sqp.shift();
-        plant.step(k as f64 * problem.ocp.dt, &mut x, &step.u, problem.ocp.dt).expect("a smooth plant");
-        effort += step.u.iter().map(|u| u * u).sum::<f64>();
-        steps.push(step);
-    }
-    (steps, effort)
-}
-
-fn median(steps: &[Step], of: impl Fn(&Step) -> f64) -> f64 {
-    let mut values: Vec<f64> = steps.iter().skip(1).map(of).collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    closed_loop(problem, &mut sqp, &mut plant)
 }
 
 #[allow(clippy::print_stdout)]

@@ -3,11 +3,14 @@
 //! Every row is one closed loop under one setting of the quadratic programs. Times are medians over its samples, the smallest
 //! of several runs of the loop.
 
+mod common;
+
 use bracketry_mpc::{
     ControlProblem, Dynamics, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step,
     SymbolicDynamics, Trajectory,
 };
 use bracketry_system::System;
+use common::median;
 
 /// Hold an object on the plate against errors of its pose, from a running oscillation.
 const PLATE: &str = include_str!("../../../models/plate_hold.toml");
@@ -46,22 +49,7 @@ fn closed_loop(problem: &ControlProblem, qp: QpSettings) -> (Vec<Step>, f64) {
     for _ in 0..INITIAL_ITERATIONS {
         rti.feedback(&problem.x0).expect("a state of the right length");
     }
-    let (mut x, mut steps, mut effort) = (problem.x0.clone(), Vec::new(), 0.0);
-    for k in 0..problem.samples {
-        rti.prepare().expect("settings within their ranges");
-        let step = rti.feedback(&x).expect("a state of the right length").clone();
-        rti.shift();
-        plant.step(k as f64 * problem.ocp.dt, &mut x, &step.u, problem.ocp.dt).expect("a smooth plant");
-        effort += step.u.iter().map(|u| u * u).sum::<f64>();
-        steps.push(step);
-    }
-    (steps, effort)
-}
-
-fn median(steps: &[Step], of: impl Fn(&Step) -> f64) -> f64 {
-    let mut values: Vec<f64> = steps.iter().skip(1).map(of).collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    common::closed_loop(problem, &mut rti, &mut plant)
 }
 
 #[allow(clippy::print_stdout)]
