@@ -52,6 +52,11 @@ impl Block {
         if i == 0 { self.inputs } else { self.column(i - 1) }
     }
 
+    /// The gradient where w = 0.
+    pub(super) fn gradient(&self) -> impl Iterator<Item = f64> {
+        self.hessian.iter().skip(self.size()).step_by(self.stride()).copied()
+    }
+
     /// The state at grid point `i` ≥ 1 of the block, n rows.
     pub(super) fn state(&self, i: usize, n: usize) -> &[f64] {
         let size = n * self.stride();

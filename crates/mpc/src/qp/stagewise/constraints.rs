@@ -132,9 +132,16 @@ impl Constraints {
         Some(Self { functions: found.into_iter().map(|(_, f)| f).collect(), groups })
     }
 
+    /// The groups of block `j`, which stand together.
+    fn groups_of(&self, j: usize) -> std::ops::Range<usize> {
+        let first = |j| self.groups.partition_point(|g| g.place.block < j);
+        first(j)..first(j + 1)
+    }
+
     /// Takes in the gradients of block `j`, which has been condensed.
     pub(super) fn load(&mut self, j: usize, block: &Block, n: usize, program: &StageProgram) {
-        for group in self.groups.iter_mut().filter(|g| g.place.block == j) {
+        let groups = self.groups_of(j);
+        for group in &mut self.groups[groups] {
             let functions = &mut self.functions[group.functions.clone()];
             match &mut group.gradients {
                 Gradients::Single(entries) => {
@@ -178,7 +185,7 @@ impl Constraints {
 
     /// Adds Σ force·a of the functions of block `j` to a gradient.
     pub(super) fn add_forces(&self, j: usize, forces: &[f64], to: &mut [f64]) {
-        for group in self.groups.iter().filter(|g| g.place.block == j) {
+        for group in &self.groups[self.groups_of(j)] {
             let forces = &forces[group.functions.clone()];
             match &group.gradients {
                 Gradients::Single(entries) => forces.iter().zip(entries).for_each(|(f, &(c, v))| to[c] += v * f),
@@ -194,7 +201,7 @@ impl Constraints {
     /// Adds Σ weight·a aᵀ of the functions of block `j` to the upper triangle of a matrix.
     pub(super) fn add_squares(&self, j: usize, block: &Block, weights: &[f64], to: &mut [f64]) {
         let stride = block.stride();
-        for group in self.groups.iter().filter(|g| g.place.block == j) {
+        for group in &self.groups[self.groups_of(j)] {
             let weights = &weights[group.functions.clone()];
             match &group.gradients {
                 Gradients::Single(entries) => {

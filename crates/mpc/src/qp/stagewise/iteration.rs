@@ -83,7 +83,6 @@ pub(super) struct InteriorPoint {
     slack_slope: Vec<f64>,
     /// Multipliers of the dynamics between two blocks.
     multiplier: Vec<f64>,
-    rows: usize,
 }
 
 /// Rows of a function with the coefficients of aᵀw and of the slack in them.
@@ -118,7 +117,6 @@ impl InteriorPoint {
             forces: vec![0.0; functions],
             slack_slope: vec![0.0; functions],
             multiplier: vec![0.0; blocks.n],
-            rows,
         }
     }
 
@@ -149,7 +147,7 @@ impl InteriorPoint {
             let Some(length) = self.iterate(&of, tolerance) else { return (self.given_up(&of, tolerance), iteration) };
             short = if length < SHORTEST { short + 1 } else { 0 };
             left = (left * (1.0 - length)).max(f64::EPSILON);
-            let gap = self.mean_gap(&of);
+            let gap = self.mean_gap();
             lost += 1;
             if left < FALL * least_left || gap < FALL * least_gap {
                 (least_left, least_gap, lost) = (left.min(least_left), gap.min(least_gap), 0);
@@ -169,8 +167,7 @@ impl InteriorPoint {
             *weight = unit / of.program.row_scale[f.upper].powi(2);
         }
         for (block, slope) in of.blocks.all.iter().zip(&mut self.slope) {
-            let (stride, size) = (block.stride(), block.size());
-            slope.iter_mut().enumerate().for_each(|(i, g)| *g = block.hessian[i * stride + size]);
+            slope.iter_mut().zip(block.gradient()).for_each(|(g, of_block)| *g = of_block);
         }
         if !self.factorize(of) {
             return false;
@@ -220,13 +217,12 @@ impl InteriorPoint {
             }
         }
         for (j, (block, slope)) in of.blocks.all.iter().zip(&mut self.slope).enumerate() {
-            let (stride, size) = (block.stride(), block.size());
             self.terms[j].fill(0.0);
-            slope.iter_mut().enumerate().for_each(|(i, g)| *g = block.hessian[i * stride + size]);
+            slope.iter_mut().zip(block.gradient()).for_each(|(g, of_block)| *g = of_block);
             let terms = &mut self.terms[j];
             let mut note = |slope: &[f64]| terms.iter_mut().zip(slope).for_each(|(t, g)| *t = t.max(g.abs()));
             note(slope);
-            add_symmetric_times(slope, &block.hessian, stride, &self.at.w[j]);
+            add_symmetric_times(slope, &block.hessian, block.stride(), &self.at.w[j]);
             note(slope);
             of.constraints.add_forces(j, &self.forces, slope);
             note(slope);
@@ -237,12 +233,16 @@ impl InteriorPoint {
     fn gap_after(&self, of: &Problem<'_>, length: f64) -> f64 {
         let product =
             |row: usize| (self.at.t[row] + length * self.step.t[row]) * (self.at.v[row] + length * self.step.v[row]);
-        of.rows().map(product).sum::<f64>() / self.rows.max(1) as f64
+        of.rows().map(product).sum::<f64>() / self.at.t.len().max(1) as f64
     }
 
-    fn mean_gap(&self, of: &Problem<'_>) -> f64 {
-        let all: f64 = of.rows().map(|row| self.at.t[row] * self.at.v[row]).sum();
-        if self.rows == 0 { 0.0 } else { all / self.rows as f64 }
+    /// Sum of the products of distances and multipliers.
+    fn gap(&self) -> f64 {
+        self.at.t.iter().zip(&self.at.v).map(|(t, v)| t * v).sum()
+    }
+
+    fn mean_gap(&self) -> f64 {
+        self.gap() / self.at.t.len().max(1) as f64
     }
 
     /// The outcome where no step leads on: rounding may have ended what had reached the tolerance.
@@ -260,11 +260,10 @@ impl InteriorPoint {
         if infeasible {
             return false;
         }
-        let gap: f64 = of.rows().map(|row| self.at.t[row] * self.at.v[row]).sum();
+        let gap = self.gap();
         let mut objective = 0.0;
         for (block, w) in of.blocks.all.iter().zip(&self.at.w) {
-            let (stride, size) = (block.stride(), block.size());
-            objective += w.iter().enumerate().map(|(i, w)| w * block.hessian[i * stride + size]).sum::<f64>();
+            objective += w.iter().zip(block.gradient()).map(|(w, g)| w * g).sum::<f64>();
         }
         if gap.is_nan() || gap > share * tolerance * unit.max(objective.abs()) {
             return false;
@@ -323,7 +322,7 @@ impl InteriorPoint {
         if !self.factorize(of) {
             return None;
         }
-        let mean = self.mean_gap(of);
+        let mean = self.mean_gap();
         for row in of.rows() {
             self.excess[row] = self.at.t[row] * self.at.v[row];
         }
@@ -331,7 +330,7 @@ impl InteriorPoint {
         let length = self.longest(of, 1.0);
         let centering = if mean > 0.0 { (self.gap_after(of, length) / mean).powi(3).clamp(0.0, 1.0) } else { 0.0 };
         // Products far below what is asked for would only spoil the linear system.
-        let least = LEAST_GAP * tolerance * of.program.objective_scale / self.rows.max(1) as f64;
+        let least = LEAST_GAP * tolerance * of.program.objective_scale / self.at.t.len().max(1) as f64;
         let aim = (centering * mean).max(least);
         // The terms of second order count as far as the step goes that they are taken from (M. Colombo, J. Gondzio, Comput. Optim.
         // Appl. 41, 2008).

@@ -19,7 +19,7 @@ const SMALLEST_PIVOT: f64 = 1e-14;
 /// Cholesky's method, and P_j is what is left.
 pub(super) struct Recursion {
     /// Upper triangles: rows of the Cholesky factor and of the gain, then P_j.
-    pub(super) factors: Vec<Vec<f64>>,
+    factors: Vec<Vec<f64>>,
     /// L⁻¹ (slope of the inputs) and the slope of P_j.
     slopes: Vec<Vec<f64>>,
     /// P_{j+1} in full, and its product with F_j.
