@@ -1,7 +1,7 @@
 //! Polynomials that are constant along all motions.
 
-use bracketry_lie::{Evidence, MultivariatePolynomial, RationalEchelon, RationalMatrix, integrals};
-use bracketry_symbolic::{Bindings, Expr, Function, Rational};
+use bracketry_lie::{Evidence, MultivariatePolynomial, RationalMatrix, integrals};
+use bracketry_symbolic::{Bindings, Echelon, Expr, Function, Rational};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
@@ -34,7 +34,7 @@ pub(crate) fn conserved(model: &PolynomialModel, largest: u32, limit: &Limit) ->
         }
         let list = monomials(n, 1..=d);
         let known = products(&generators, d);
-        let mut span = RationalEchelon::new(list.len());
+        let mut span = Echelon::empty(list.len());
         for p in &known {
             span.insert(list.iter().map(|m| p.coefficient(m)).collect());
         }

@@ -89,7 +89,7 @@ pub use forms::normal_form::{
 pub use forms::obstacle::Obstacle;
 pub use forms::transform::{TransformOptions, transform};
 pub use linear::distance::Distance;
-pub use linear::matrix::{Echelon as RationalEchelon, RationalMatrix};
+pub use linear::matrix::RationalMatrix;
 pub use linear::polynomial::MultivariatePolynomial;
 pub use linear::spectrum::half_planes;
 pub use modes::{ModeFields, Signs, mode_fields};

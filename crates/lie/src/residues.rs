@@ -7,7 +7,7 @@ pub(crate) const PRIME: u64 = SECOND_PRIME;
 /// An integer modulo 2^61 − [`PRIME`].
 pub(crate) type Fp = Residue<PRIME>;
 /// Reduced row echelon form over this field.
-pub(crate) type Echelon = bracketry_symbolic::Echelon<PRIME>;
+pub(crate) type Echelon = bracketry_symbolic::Echelon<Fp>;
 
 /// The row with 1 at place i and 0 elsewhere.
 pub(crate) fn unit_row<const C: u64>(i: usize, n: usize) -> Vec<Residue<C>> {

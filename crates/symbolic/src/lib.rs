@@ -19,6 +19,7 @@ mod exact;
 mod foreign_name;
 mod func;
 mod function;
+mod matrix;
 mod named;
 mod normal;
 mod notation;
@@ -37,7 +38,8 @@ mod univariate;
 pub use closest_name::closest_name;
 pub use dashu_ratio::RBig as Rational;
 pub use exact::{
-    Bindings, Certificate, Echelon, Fp, Rank, Residue, SECOND_PRIME, Samples, THIRD_PRIME, Undecided, ZeroTest,
+    Bindings, Certificate, Echelon, FieldElement, Fp, Rank, Residue, SECOND_PRIME, Samples, THIRD_PRIME, Undecided,
+    ZeroTest,
 };
 pub use func::{Func, Func2};
 pub use function::Function;

@@ -3,7 +3,6 @@
 use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::elimination::eliminate;
 use crate::images::flattened;
 use crate::input_change::{Change, Checks, canonical, rows, without_switches};
 use crate::reason::Rejection;
@@ -195,7 +194,7 @@ fn inverted(pool: &mut Pool, rows: &[Vec<Expr>]) -> Option<Vec<Vec<Expr>>> {
             }
         }
         m.swap(j, pivot?);
-        eliminate(pool, &mut m, j, j);
+        pool.eliminate_column(&mut m, (j, j), Pool::simplify);
     }
     Some(m.into_iter().map(|row| row[n..].to_vec()).collect())
 }

@@ -21,7 +21,6 @@ mod closest_approach;
 mod constants;
 mod directions;
 mod discrete_time;
-mod elimination;
 mod enclosure;
 mod extrema;
 mod feedback;

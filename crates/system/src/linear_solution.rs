@@ -140,16 +140,12 @@ impl Solution {
             right.push(pool.neg(constant));
             matrix.push(row);
         }
-        let determinant = determinant(pool, &matrix);
+        let determinant = pool.determinant(&matrix, |_, e| e);
         if vanishes(pool, determinant) {
             return None;
         }
         let mut values = FxHashMap::default();
-        for (j, &s) in self.unknowns.iter().enumerate() {
-            let mut replaced = matrix.clone();
-            replaced.iter_mut().zip(&right).for_each(|(row, &b)| row[j] = b);
-            let numerator = self::determinant(pool, &replaced);
-            let mut value = pool.div(numerator, determinant);
+        for (&s, mut value) in self.unknowns.iter().zip(pool.cramer(&matrix, &right, determinant, |_, e| e)) {
             if k <= SIMPLIFIED_BLOCK {
                 value = pool.simplify(value);
             }
@@ -181,23 +177,4 @@ fn affine_in(pool: &mut Pool, g: Expr, z: Symbol, unknowns: &[Symbol]) -> Option
 fn vanishes(pool: &mut Pool, e: Expr) -> bool {
     let simple = pool.simplify(e);
     pool.is_zero(simple) || pool.zero_test(simple, &Bindings::default()).is_zero()
-}
-
-/// The determinant, expanded along the first row.
-fn determinant(pool: &mut Pool, matrix: &[Vec<Expr>]) -> Expr {
-    let Some((first, below)) = matrix.split_first() else { return pool.int(1) };
-    let mut terms = Vec::new();
-    for (j, &entry) in first.iter().enumerate() {
-        if pool.is_zero(entry) {
-            continue;
-        }
-        let minor: Vec<Vec<Expr>> = below
-            .iter()
-            .map(|row| row.iter().enumerate().filter(|(c, _)| *c != j).map(|(_, &e)| e).collect())
-            .collect();
-        let minor = determinant(pool, &minor);
-        let term = pool.mul(entry, minor);
-        terms.push(if j % 2 == 0 { term } else { pool.neg(term) });
-    }
-    pool.sum(terms)
 }

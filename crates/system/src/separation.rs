@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use bracketry_symbolic::{Bindings, Expr, Func, Function, Node, Pool, Symbol, ZeroTest};
 use rustc_hash::FxHashSet;
 
-use crate::elimination::eliminate;
 use crate::input_change::{Change, rows};
 use crate::reason::Rejection;
 use crate::system::System;
@@ -135,7 +134,7 @@ fn reduce(pool: &mut Pool, rows: &mut Vec<Vec<Expr>>) -> Vec<usize> {
         let done = pivots.len();
         let Some(i) = (done..rows.len()).find(|&i| !vanishes(pool, rows[i][j])) else { continue };
         rows.swap(done, i);
-        eliminate(pool, rows, done, j);
+        pool.eliminate_column(rows, (done, j), Pool::simplify);
         pivots.push(j);
     }
     rows.truncate(pivots.len());

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use bracketry_symbolic::{Expr, Func, Function, Node, Pool, Rational};
+use bracketry_symbolic::{Expr, Func, Function, Node, Rational};
 use serde::{Serialize, Serializer};
 
 use crate::images::{flattened, input_domain};
@@ -11,6 +11,9 @@ use crate::rational_function::RationalFunction;
 use crate::switching::is_switch;
 use crate::system::System;
 use bracketry_symbolic::RealRoot;
+
+/// Largest minors of the Jacobian that are written out.
+const MAX_EXPANDED: usize = 4;
 
 /// Largest number of minors of the Jacobian that are written out.
 const MAX_MINORS: usize = 6;
@@ -62,11 +65,14 @@ impl Serialize for SingularSet {
 /// found.
 pub(crate) fn singular_set(system: &mut System, functions: &[Expr]) -> Option<SingularSet> {
     let jacobian = system.pool.jacobian(functions, &system.inputs.clone());
+    if functions.len() > MAX_EXPANDED {
+        return None;
+    }
     let columns = subsets(system.inputs.len(), functions.len(), MAX_MINORS)?;
     let mut conditions: Vec<Vec<Level>> = Vec::new();
     for chosen in columns {
         let minor: Vec<Vec<Expr>> = jacobian.iter().map(|row| chosen.iter().map(|&j| row[j]).collect()).collect();
-        let d = determinant(&mut system.pool, &minor)?;
+        let d = system.pool.determinant(&minor, |_, e| e);
         let d = system.pool.simplify(d);
         if system.pool.is_zero(d) {
             continue;
@@ -137,30 +143,4 @@ fn subsets(n: usize, k: usize, most: usize) -> Option<Vec<Vec<usize>>> {
         }
     }
     (all.len() <= most).then_some(all)
-}
-
-/// Largest matrix whose determinant is expanded.
-const MAX_EXPANDED: usize = 4;
-
-/// Determinant by expansion along the first row.
-fn determinant(pool: &mut Pool, rows: &[Vec<Expr>]) -> Option<Expr> {
-    let n = rows.len();
-    if n > MAX_EXPANDED {
-        return None;
-    }
-    if n == 0 {
-        return Some(pool.int(1));
-    }
-    let mut total = pool.int(0);
-    for j in 0..n {
-        if pool.is_zero(rows[0][j]) {
-            continue;
-        }
-        let minor: Vec<Vec<Expr>> =
-            rows[1..].iter().map(|r| (0..n).filter(|&k| k != j).map(|k| r[k]).collect()).collect();
-        let d = determinant(pool, &minor)?;
-        let term = pool.mul(rows[0][j], d);
-        total = if j % 2 == 0 { pool.add(total, term) } else { pool.sub(total, term) };
-    }
-    Some(total)
 }

@@ -235,13 +235,13 @@ impl Search {
         let sample = pool.sample_in::<PRIME>(&flat, &self.bindings, 1, SEED ^ 1)?;
         let rows: Vec<Vec<Fp>> = sample.values[0].chunks(n).map(<[Fp]>::to_vec).collect();
         let free: Vec<usize> = {
-            let null = Echelon::new(&rows, n).nullspace();
+            let null = Echelon::new(&rows, n).null_space();
             null.iter().filter_map(|v| v.iter().rposition(|x| !x.is_zero())).collect()
         };
         let pivots: Vec<usize> = (0..n).filter(|j| !free.contains(j)).collect();
         let minor = |pool: &mut Pool, columns: &[usize]| {
             let matrix: Vec<Field> = self.forms.iter().map(|form| columns.iter().map(|&j| form[j]).collect()).collect();
-            determinant(pool, &matrix)
+            pool.determinant(&matrix, |_, e| e)
         };
         let denominator = minor(pool, &pivots);
         let mut fields: Vec<Field> = Vec::new();
@@ -321,7 +321,7 @@ fn combinations(
             break;
         }
     }
-    Ok(echelon.nullspace())
+    Ok(echelon.null_space())
 }
 
 /// The coefficients of the one combination of a few columns, as functions of the parameters.
@@ -371,7 +371,7 @@ impl AtValues<'_> {
         }
         let samples = self.pool.sample_in::<PRIME>(self.flat, &bindings, 1, SEED).ok()?;
         let rows: Vec<Vec<Fp>> = samples.values.first()?.chunks(self.width).map(<[Fp]>::to_vec).collect();
-        Some(Echelon::new(&rows, self.width).nullspace())
+        Some(Echelon::new(&rows, self.width).null_space())
     }
 }
 
@@ -385,19 +385,4 @@ impl Values for AtValues<'_> {
         let whole = whole.get(self.free)?;
         Some(self.support.iter().map(|&i| whole[i]).collect())
     }
-}
-
-/// Expansion along the first row.
-fn determinant(pool: &mut Pool, matrix: &[Field]) -> Expr {
-    let Some((first, rest)) = matrix.split_first() else { return pool.int(1) };
-    let mut total = pool.int(0);
-    for (j, &a) in first.iter().enumerate() {
-        let minor: Vec<Field> =
-            rest.iter().map(|row| row.iter().enumerate().filter(|(i, _)| *i != j).map(|(_, &e)| e).collect()).collect();
-        let d = determinant(pool, &minor);
-        let term = pool.mul(a, d);
-        let term = if j % 2 == 0 { term } else { pool.neg(term) };
-        total = pool.add(total, term);
-    }
-    total
 }

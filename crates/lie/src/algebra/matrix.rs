@@ -1,7 +1,6 @@
 //! Determinants and linear equations with expressions as entries.
 
 use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
-use rustc_hash::FxHashMap;
 
 use crate::algebra::rational::readable::tidy;
 use crate::budget::check_size;
@@ -34,30 +33,7 @@ pub(crate) fn determinant(pool: &mut Pool, rows: &[Vec<Expr>]) -> Option<Expr> {
     if n == 0 || n > MAX_SIZE || rows.iter().any(|r| r.len() != n) {
         return None;
     }
-    // minors[set of columns]: determinant of the last rows in these columns (Laplace).
-    let mut minors: FxHashMap<usize, Expr> = std::iter::once((0, pool.int(1))).collect();
-    for row in rows.iter().rev() {
-        let mut larger: FxHashMap<usize, Expr> = FxHashMap::default();
-        let mut sets: Vec<usize> = minors.keys().copied().collect();
-        sets.sort_unstable();
-        for set in sets {
-            for (j, &entry) in row.iter().enumerate() {
-                if set >> j & 1 == 1 || pool.is_zero(entry) {
-                    continue;
-                }
-                let before = (set & ((1 << j) - 1)).count_ones();
-                let product = pool.mul(entry, minors[&set]);
-                let term = if before % 2 == 0 { product } else { pool.neg(product) };
-                let sum = larger.get(&(set | 1 << j)).map_or(term, |&s| pool.add(s, term));
-                larger.insert(set | 1 << j, sum);
-            }
-        }
-        let mut done: Vec<(usize, Expr)> = larger.into_iter().collect();
-        done.sort_unstable_by_key(|m| m.0);
-        minors = done.into_iter().map(|(set, e)| (set, tidy(pool, e))).collect();
-    }
-    let zero = pool.int(0);
-    Some(minors.get(&((1 << n) - 1)).copied().unwrap_or(zero))
+    Some(pool.determinant(rows, tidy))
 }
 
 /// The solution of A x = b for an invertible A (Cramer's rule), as readable expressions.
@@ -66,18 +42,8 @@ pub(crate) fn solve(pool: &mut Pool, a: &[Vec<Expr>], b: &[Expr]) -> Option<Vec<
     if pool.is_zero(d) {
         return None;
     }
-    (0..a.len())
-        .map(|j| {
-            let replaced: Vec<Vec<Expr>> = a
-                .iter()
-                .zip(b)
-                .map(|(row, &b)| row.iter().enumerate().map(|(k, &e)| if k == j { b } else { e }).collect())
-                .collect();
-            let top = determinant(pool, &replaced)?;
-            let x = pool.div(top, d);
-            Some(tidy(pool, x))
-        })
-        .collect()
+    let quotients = pool.cramer(a, b, d, tidy);
+    Some(quotients.into_iter().map(|x| tidy(pool, x)).collect())
 }
 
 /// Independent rows with the same span over the functions, with unit pivots (Gauss–Jordan).
@@ -111,26 +77,7 @@ pub(crate) fn reduced(
         }
         let Some(j) = pivot else { continue };
         pivots.push(j);
-        let p = rows[i][j];
-        let unit: Vec<Expr> = rows[i]
-            .iter()
-            .map(|&e| {
-                let q = pool.div(e, p);
-                tidy(pool, q)
-            })
-            .collect();
-        for (k, row) in rows.iter_mut().enumerate() {
-            if k == i {
-                row.clone_from(&unit);
-            } else if !pool.is_zero(row[j]) {
-                let c = row[j];
-                for (e, &u) in row.iter_mut().zip(&unit) {
-                    let term = pool.mul(c, u);
-                    let difference = pool.sub(*e, term);
-                    *e = tidy(pool, difference);
-                }
-            }
-        }
+        pool.eliminate_column(&mut rows, (i, j), tidy);
     }
     Ok(rows)
 }

@@ -77,7 +77,7 @@ pub(crate) fn canceling(
         }
         ends = derived;
     }
-    let Some(free) = rational_rows(&conditions.nullspace()) else { return Ok(None) };
+    let Some(free) = rational_rows(&conditions.null_space()) else { return Ok(None) };
     if free.is_empty() {
         return Ok(None);
     }

@@ -217,7 +217,7 @@ fn covectors(pool: &mut Pool, modes: &[Adjacent], evidence: &mut Evidence) -> Re
     let samples = pool.sample_in::<PRIME>(&controls, &first.fields.bindings, n + 1, SEED)?;
     evidence.add_rank(&samples, n)?;
     let rows: Vec<Vec<Fp>> = samples.values.iter().flat_map(|v| v.chunks(n).map(<[Fp]>::to_vec)).collect();
-    for covector in Echelon::new(&rows, n).nullspace() {
+    for covector in Echelon::new(&rows, n).null_space() {
         let Some(rational) = covector.iter().map(|c| c.to_rational(BOUND)).collect::<Option<Vec<_>>>() else {
             continue;
         };

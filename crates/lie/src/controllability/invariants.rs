@@ -51,7 +51,7 @@ pub(crate) fn glued(
         return Ok(Vec::new());
     };
     let mut found: Vec<Glued> = Vec::new();
-    for vector in Echelon::new(&rows, unknowns).nullspace() {
+    for vector in Echelon::new(&rows, unknowns).null_space() {
         let Some(c) = vector.iter().map(|c| c.to_rational(BOUND)).collect::<Option<Vec<_>>>() else { continue };
         let mut pieces = vec![pool.int(0); modes.len()];
         for &k in &possible {

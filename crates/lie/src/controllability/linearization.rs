@@ -7,7 +7,7 @@ use crate::algebra::field::{Field, VectorFields};
 use crate::answer::Answer;
 use crate::controllability::local::Frame;
 use crate::evidence::Evidence;
-use crate::linear::matrix::{Echelon as RationalEchelon, RationalMatrix};
+use crate::linear::matrix::RationalMatrix;
 use crate::linear::spectrum::{Root, Spectrum};
 use crate::reason::Reason;
 use crate::residues::times;
@@ -34,14 +34,7 @@ impl Linearization {
 
     /// span{A^k b_i}, which is span{ad_f^k g_i(x0)} at an equilibrium x0.
     pub(crate) fn controllable(&self) -> Echelon {
-        let mut span = Echelon::empty(self.a.len());
-        let mut queue: Vec<Vec<Fp>> = self.b.clone();
-        while let Some(v) = queue.pop() {
-            if span.insert(v.clone()) {
-                queue.push(times(&self.a, &v));
-            }
-        }
-        span
+        Echelon::invariant(&self.b, self.a.len(), |v| times(&self.a, v))
     }
 
     /// The least k for which {A^j b_i, j < k} spans what all A^j b_i span, at least 1.
@@ -130,15 +123,9 @@ pub(crate) fn tolerance(size: f64, k: usize) -> f64 {
 /// The matrix of A on the rational vectors modulo span{A^k b_i}, in the coordinates w_i x of an annihilating basis; `b` has
 /// a row for each input.
 pub(crate) fn quotient_by_reachable(a: &RationalMatrix, b: &RationalMatrix) -> RationalMatrix {
-    let mut reached = RationalEchelon::new(a.rows().len());
-    let mut queue: Vec<Vec<Rational>> = b.rows().to_vec();
-    while let Some(v) = queue.pop() {
-        if reached.insert(v.clone()) {
-            queue.push(a.times(&v));
-        }
-    }
+    let reached = bracketry_symbolic::Echelon::invariant(b.rows(), a.rows().len(), |v| a.times(v));
     // W A = Q W, and W is the identity on the columns without pivot.
-    let columns = reached.free_columns();
+    let columns: Vec<usize> = reached.free_columns().collect();
     let transposed = a.transposed();
     let rows = reached.null_space().into_iter().map(|w| {
         let image = transposed.times(&w);
@@ -147,7 +134,6 @@ pub(crate) fn quotient_by_reachable(a: &RationalMatrix, b: &RationalMatrix) -> R
     RationalMatrix::new(rows.collect(), columns.len())
 }
 
-/// Eigenvalues nearer than `tolerance` count as one, at their mean.
 fn clustered(found: &[(f64, f64)], tolerance: f64) -> Vec<Root> {
     let mut clusters: Vec<Vec<(f64, f64)>> = Vec::new();
     for &z in found {

@@ -203,7 +203,7 @@ fn covectors(
         pool.sample_in::<PRIME>(&frame.fields.controls.concat(), &frame.fields.bindings, n + 1, COVECTOR_SEED)?;
     let rows: Vec<Vec<Fp>> = samples.values.iter().flat_map(|v| v.chunks(n).map(<[Fp]>::to_vec)).collect();
     evidence.add_rank(&samples, n)?;
-    for covector in Echelon::new(&rows, n).nullspace() {
+    for covector in Echelon::new(&rows, n).null_space() {
         let rational: Option<Vec<_>> = covector.iter().map(|c| c.to_rational(BOUND)).collect();
         let Some(rational) = rational else { continue };
         let covector: Vec<Expr> = rational.into_iter().map(|c| pool.rational(c)).collect();
@@ -288,13 +288,7 @@ pub(crate) fn definite_form(
         if frame.rank(pool, &d, evidence)? < d.len() {
             continue;
         }
-        let mut hull = Echelon::empty(n);
-        let mut queue = frame.evaluate(pool, &d, evidence)?;
-        while let Some(v) = queue.pop() {
-            if hull.insert(v.clone()) {
-                queue.push(times(&a_exact, &v));
-            }
-        }
+        let hull = Echelon::invariant(&frame.evaluate(pool, &d, evidence)?, n, |v| times(&a_exact, v));
         let q = n - hull.rank();
         if q == 0 {
             continue;

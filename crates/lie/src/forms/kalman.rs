@@ -1,6 +1,6 @@
 //! The Kalman decomposition of a linear model, or of the linear approximation at a point.
 
-use bracketry_symbolic::{Expr, Rational, Symbol};
+use bracketry_symbolic::{Echelon, Expr, Rational, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
@@ -9,7 +9,7 @@ use crate::forms::change::{Feedback, Plan};
 use crate::forms::frame::Frame;
 use crate::forms::normal_form::{BlockKind, FormNote, NormalForm, Part, PartKind};
 use crate::forms::obstacle::{Obstacle, Stop};
-use crate::linear::matrix::{Echelon, RationalMatrix};
+use crate::linear::matrix::RationalMatrix;
 use crate::operating::linear_model::{LinearModel, Rest};
 
 type Vector = Vec<Rational>;
@@ -119,42 +119,23 @@ fn around(system: &mut System, row: &[Rational], variables: &[Symbol], centers: 
     sum
 }
 
-/// A basis, in reduced echelon form, of the smallest subspace that contains `start` and its images under A.
-fn invariant(a: &RationalMatrix, start: &[Vector]) -> Echelon {
-    let mut span = Echelon::new(a.rows().len());
-    let mut queue = start.to_vec();
-    while let Some(v) = queue.pop() {
-        if span.insert(v.clone()) {
-            queue.push(a.times(&v));
-        }
-    }
-    span
-}
-
 /// Those of `vectors` that are independent of `span`, to which they are added.
-fn complement(span: &mut Echelon, vectors: &[Vector]) -> Vec<Vector> {
+fn complement(span: &mut Echelon<Rational>, vectors: &[Vector]) -> Vec<Vector> {
     vectors.iter().filter(|v| span.insert((*v).clone())).cloned().collect()
-}
-
-fn spanned(vectors: &[Vector], n: usize) -> Echelon {
-    let mut span = Echelon::new(n);
-    for v in vectors {
-        span.insert(v.clone());
-    }
-    span
 }
 
 /// Bases of the four parts (Kalman 1963): R ∩ N, complements of it in R and in N, and a complement of R + N, where R is the
 /// controllable and N the unobservable subspace.
 fn parts(linear: &Linear) -> [Vec<Vector>; 4] {
     let n = linear.a.rows().len();
-    let reachable = invariant(&linear.a, linear.b.transposed().rows());
-    let observable = invariant(&linear.a.transposed(), linear.c.rows());
+    let transposed = linear.a.transposed();
+    let reachable = Echelon::invariant(linear.b.transposed().rows(), n, |v| linear.a.times(v));
+    let observable = Echelon::invariant(linear.c.rows(), n, |v| transposed.times(v));
     let hidden = observable.null_space();
     // In both: Σ λ_i n_i with no component outside of R.
-    let outside = spanned(&reachable.null_space(), n);
+    let outside = Echelon::new(&reachable.null_space(), n);
     let coefficients: Vec<Vector> = outside
-        .rows()
+        .rows
         .iter()
         .map(|w| hidden.iter().map(|v| w.iter().zip(v).fold(Rational::ZERO, |s, (x, y)| s + x * y)).collect())
         .collect();
@@ -163,13 +144,12 @@ fn parts(linear: &Linear) -> [Vec<Vector>; 4] {
         .iter()
         .map(|c| (0..n).map(|i| c.iter().zip(&hidden).fold(Rational::ZERO, |s, (c, v)| s + c * &v[i])).collect())
         .collect();
-    let both = spanned(&both, n).rows().to_vec();
-    let mut span = spanned(&both, n);
-    let controllable = complement(&mut span, reachable.rows());
+    let mut span = Echelon::new(&both, n);
+    let both = span.rows.clone();
+    let controllable = complement(&mut span, &reachable.rows);
     let hidden_only = complement(&mut span, &hidden);
     let units: Vec<Vector> = span
         .free_columns()
-        .into_iter()
         .map(|j| (0..n).map(|i| if i == j { Rational::ONE } else { Rational::ZERO }).collect())
         .collect();
     [controllable, both, units, hidden_only]

@@ -1,6 +1,6 @@
 //! Matrices of rational numbers.
 
-use bracketry_symbolic::{Rational, UnivariatePolynomial};
+use bracketry_symbolic::{Echelon, Rational, UnivariatePolynomial};
 
 /// A matrix by its rows, all of the same length.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,11 +34,7 @@ impl RationalMatrix {
 
     /// A basis of {v : M v = 0}, one vector for each column without pivot, with 1 there.
     pub fn null_space(&self) -> Vec<Vec<Rational>> {
-        let mut echelon = Echelon::new(self.columns);
-        for row in &self.rows {
-            echelon.insert(row.clone());
-        }
-        echelon.null_space()
+        Echelon::new(&self.rows, self.columns).null_space()
     }
 
     /// Whether a symmetric matrix is positive semidefinite, by symmetric elimination.
@@ -49,13 +45,13 @@ impl RationalMatrix {
     /// M⁻¹ of a square matrix; `None` if it is singular.
     pub(crate) fn inverse(&self) -> Option<Self> {
         let n = self.rows.len();
-        let mut echelon = Echelon::new(2 * n);
+        let mut echelon = Echelon::empty(2 * n);
         for (i, row) in self.rows.iter().enumerate() {
             let unit = (0..n).map(|j| if i == j { Rational::ONE } else { Rational::ZERO });
             echelon.insert(row.iter().cloned().chain(unit).collect());
         }
-        let row = |j: usize| echelon.pivots.iter().position(|&p| p == j).map(|k| echelon.rows[k][n..].to_vec());
-        Some(RationalMatrix { rows: (0..n).map(row).collect::<Option<_>>()?, columns: n })
+        let rows = echelon.rows.into_iter().map(|mut row| row.split_off(n)).collect();
+        echelon.pivots.into_iter().eq(0..n).then_some(RationalMatrix { rows, columns: n })
     }
 
     /// det(λ − M) of a square matrix, from its Hessenberg form.
@@ -135,79 +131,6 @@ fn hessenberg(h: &mut [Vec<Rational>]) {
     }
 }
 
-/// A reduced row echelon form that grows by rows.
-pub struct Echelon {
-    rows: Vec<Vec<Rational>>,
-    pivots: Vec<usize>,
-    columns: usize,
-}
-
-impl Echelon {
-    /// Without rows.
-    pub fn new(columns: usize) -> Self {
-        Echelon { rows: Vec::new(), pivots: Vec::new(), columns }
-    }
-
-    /// Whether the row was independent of those before.
-    pub fn insert(&mut self, mut row: Vec<Rational>) -> bool {
-        for (r, &p) in self.rows.iter().zip(&self.pivots) {
-            if row[p] != Rational::ZERO {
-                let factor = row[p].clone();
-                subtract(&mut row, &factor, r);
-            }
-        }
-        let Some(pivot) = row.iter().position(|x| *x != Rational::ZERO) else { return false };
-        let head = row[pivot].clone();
-        for x in &mut row {
-            if *x != Rational::ZERO {
-                *x /= &head;
-            }
-        }
-        for r in &mut self.rows {
-            if r[pivot] != Rational::ZERO {
-                let factor = r[pivot].clone();
-                subtract(r, &factor, &row);
-            }
-        }
-        self.rows.push(row);
-        self.pivots.push(pivot);
-        true
-    }
-
-    /// A basis of the vectors orthogonal to all rows, one for each column without pivot, with 1 there.
-    pub fn null_space(&self) -> Vec<Vec<Rational>> {
-        self.free_columns()
-            .into_iter()
-            .map(|free| {
-                let mut v = vec![Rational::ZERO; self.columns];
-                v[free] = Rational::ONE;
-                for (r, &p) in self.rows.iter().zip(&self.pivots) {
-                    v[p] = -r[free].clone();
-                }
-                v
-            })
-            .collect()
-    }
-
-    /// The rows, of which each is 1 in its pivot column and all others are 0 there.
-    pub(crate) fn rows(&self) -> &[Vec<Rational>] {
-        &self.rows
-    }
-
-    /// The columns without pivot, ascending.
-    pub fn free_columns(&self) -> Vec<usize> {
-        (0..self.columns).filter(|j| !self.pivots.contains(j)).collect()
-    }
-}
-
-fn subtract(row: &mut [Rational], factor: &Rational, other: &[Rational]) {
-    for (x, y) in row.iter_mut().zip(other) {
-        if *y != Rational::ZERO {
-            *x -= factor * y;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -238,12 +161,9 @@ mod tests {
         #[test]
         fn rank_and_nullity_add_up(m in 1usize..6, n in 1usize..6, entries in prop::collection::vec(-1i8..2, 36)) {
             let a = matrix(n, &entries[..m * n]);
-            let mut echelon = Echelon::new(n);
-            for row in a.rows() {
-                echelon.insert(row.clone());
-            }
+            let echelon = Echelon::new(a.rows(), n);
             let null_space = a.null_space();
-            prop_assert_eq!(echelon.rows.len() + null_space.len(), n);
+            prop_assert_eq!(echelon.rank() + null_space.len(), n);
             for v in null_space {
                 prop_assert!(a.times(&v).iter().all(|x| *x == Rational::ZERO));
             }

@@ -73,7 +73,7 @@ struct Verdict {
 struct At<const C: u64> {
     /// Values of the variables.
     point: Vec<Residue<C>>,
-    span: Echelon<C>,
+    span: Echelon<Residue<C>>,
     gradients: Vec<Vec<Residue<C>>>,
     orders: usize,
     degree: f64,
@@ -194,7 +194,7 @@ fn symmetries(
     if m == 0 || m > MAX_MOVING {
         return Ok(Vec::new());
     }
-    let mut equations: Echelon<SECOND_PRIME> = Echelon::empty(2 * m);
+    let mut equations: Echelon<Residue<SECOND_PRIME>> = Echelon::empty(2 * m);
     let (mut idle, mut last) = (0, None);
     for seed in 1..=MAX_POINTS {
         let here = at::<SECOND_PRIME>(pool, program, SEED ^ seed)?;
@@ -216,7 +216,7 @@ fn symmetries(
         let constants = v.iter().map(|c| c.to_rational(BOUND)).collect::<Option<Vec<Rational>>>()?;
         Some((v, constants))
     };
-    let candidates: Vec<_> = equations.nullspace().into_iter().filter_map(rational).collect();
+    let candidates: Vec<_> = equations.null_space().into_iter().filter_map(rational).collect();
     let holds = match hold::<1>(pool, program, &moving, &candidates) {
         // This field lacks a root that is needed.
         Err(Undecided::Exact(why)) if why.needs_other_prime() => {

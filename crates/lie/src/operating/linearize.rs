@@ -1,12 +1,12 @@
 //! What a linear system tells: poles, zeros, ranks, Gramians, distances, and gains.
 
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::Echelon;
 use bracketry_system::System;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
 use crate::linear::distance::{Distance, distance};
-use crate::linear::matrix::{Echelon, RationalMatrix};
+use crate::linear::matrix::RationalMatrix;
 use crate::linear::spectrum::Spectrum;
 use crate::operating::gains::{Gain, Gramians, NoGain, estimator, gramians, regulator};
 use crate::operating::linear_model::{LinearModel, NotLinearizable};
@@ -194,16 +194,7 @@ fn poles(spectrum: Option<&Spectrum>, numbers: Option<&[(f64, f64)]>) -> Option<
 /// The dimension of span{A^k v} over the rows v of `start`.
 fn rank_exactly(a: &RationalMatrix, start: &RationalMatrix) -> Rank {
     let n = a.rows().len();
-    let mut span = Echelon::new(n);
-    let mut queue: Vec<Vec<Rational>> = start.rows().to_vec();
-    let mut rank = 0;
-    while let Some(v) = queue.pop() {
-        if span.insert(v.clone()) {
-            rank += 1;
-            queue.push(a.times(&v));
-        }
-    }
-    Rank { rank, of: n, exact: true }
+    Rank { rank: Echelon::invariant(start.rows(), n, |v| a.times(v)).rank(), of: n, exact: true }
 }
 
 /// Vectors whose part outside of the span so far is smaller than this, relative to their size, belong to it.

@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
+use super::echelon::combination_modulo;
 use super::field::{Residue, THIRD_PRIME};
 
 /// Homomorphism from the field's multiplicative group to the integers modulo a prime ℓ that divides p − 1.
@@ -35,6 +36,17 @@ impl<const C: u64> Character<C> {
             r *= root;
         }
         Self { order, small, giant: r.inv().unwrap_or(Residue::ONE) }
+    }
+
+    /// The coefficients modulo ℓ by which `target` is a combination of `columns`.
+    ///
+    /// `Ok(None)` if it is independent of them; `Err(())` if the columns themselves are dependent.
+    pub(super) fn combination(&self, columns: &[Vec<u64>], target: &[u64]) -> Result<Option<Vec<u64>>, ()> {
+        match C {
+            1 => combination_modulo::<1321>(columns, target),
+            THIRD_PRIME => combination_modulo::<7351>(columns, target),
+            _ => combination_modulo::<2311>(columns, target),
+        }
     }
 
     /// The discrete logarithm of v^((p − 1)/ℓ) by baby steps and giant steps (Shanks 1971).

@@ -1,8 +1,8 @@
 //! Sines and cosines: points on the unit circle over the field, one generator per base angle.
 
+use super::echelon::combination;
 use super::field::{Residue, THIRD_PRIME, gcd};
 use super::kernels::Angle;
-use super::linear::combination;
 use super::lowering::{FRACTION_BOUND, Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use crate::func::{Func, Func2};

@@ -5,10 +5,11 @@ mod character;
 mod circle;
 mod compose;
 mod constants;
+mod echelon;
 mod explog;
 mod field;
+mod field_element;
 mod kernels;
-mod linear;
 mod lower;
 mod lowering;
 mod primes;
@@ -23,8 +24,9 @@ use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
+pub use self::echelon::Echelon;
 pub use self::field::{Fp, Residue, SECOND_PRIME, THIRD_PRIME};
-pub use self::linear::Echelon;
+pub use self::field_element::FieldElement;
 
 use self::field::Random;
 use self::lower::{Lowered, lower};

@@ -6,8 +6,8 @@
 
 use dashu_ratio::RBig;
 
+use super::echelon::Echelon;
 use super::field::{Residue, SECOND_PRIME, THIRD_PRIME};
-use super::linear::Echelon;
 use super::lowering::Stop;
 use super::{Bindings, Certificate, POINTS, Rank, SEED, Undecided, ZeroTest, reason};
 use crate::pool::{Expr, Pool};

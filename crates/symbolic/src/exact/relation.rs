@@ -4,7 +4,6 @@ use dashu_ratio::RBig;
 
 use super::character::{Character, small_fraction};
 use super::field::gcd;
-use super::linear::combination_mod;
 use super::lowering::{FRACTION_BOUND, Lowering};
 use super::program::Reg;
 
@@ -40,7 +39,7 @@ impl<const C: u64> Lowering<'_, C> {
         // The column of ones stands for the unknown constant.
         let mut columns = vec![vec![1; at.len()]];
         columns.extend(others.iter().map(|&r| column(r)));
-        let c = match combination_mod(character.order, &columns, &column(h)) {
+        let c = match character.combination(&columns, &column(h)) {
             Err(()) => return Relation::Unresolved,
             Ok(None) => return Relation::None,
             Ok(Some(c)) => c,

@@ -3,9 +3,9 @@
 use dashu_ratio::RBig;
 
 use super::constants::factors;
+use super::echelon::combination_modulo;
 use super::field::Residue;
 use super::kernels::Radicand;
-use super::linear::combination_mod;
 use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use super::relation::Relation;
@@ -63,7 +63,7 @@ impl<const C: u64> Lowering<'_, C> {
         let mut columns = vec![vec![1; at.len()]];
         // A radicand whose root occurs in `base` is a square wherever `base` has a value.
         columns.extend(others.iter().map(character).filter(|c| c.contains(&1)));
-        match combination_mod(2, &columns, &character(&value)) {
+        match combination_modulo::<2>(&columns, &character(&value)) {
             Err(()) => Err(self.kernel(base, "roots are related in a way that was not resolved")),
             Ok(None) => {
                 let root = self.signed_root(value, levels);

@@ -140,7 +140,7 @@ impl Ansatz {
                 break;
             }
         }
-        Ok(echelon.nullspace())
+        Ok(echelon.null_space())
     }
 
     /// The gradients of all columns at one point, then those of `found`, one row each.

@@ -115,7 +115,7 @@ fn quotient(
             }
             echelon.insert(row);
         }
-        let Some(solution) = echelon.nullspace().into_iter().next() else { continue };
+        let Some(solution) = echelon.null_space().into_iter().next() else { continue };
         let numbers: Vec<Rational> = solution.iter().map(|x| x.to_rational(BOUND)).collect::<Option<_>>()?;
         let part = |offset: usize| -> Polynomial {
             let terms = monomials.iter().zip(numbers.iter().skip(offset).step_by(2));

@@ -60,10 +60,10 @@ impl Search<'_> {
             bindings.bind(s, Rational::from(value));
             values.push(Residue::new(value));
         }
-        let mut span: Echelon<1> = Echelon::empty(self.moving.len());
+        let mut span: Echelon<Residue<1>> = Echelon::empty(self.moving.len());
         for seed in 0..STATES {
             let here = point::<1>(pool, q, &bindings, SEED ^ (number << 8) ^ (seed << 4))?;
-            for v in q.with_known(&here.span).nullspace() {
+            for v in q.with_known(&here.span).null_space() {
                 span.insert(self.moving.iter().map(|&i| v[q.states + i]).collect());
             }
         }
@@ -108,7 +108,7 @@ impl Search<'_> {
         logarithms: bool,
     ) -> Result<Vec<Vec<Rational>>, Undecided> {
         let n = products.len();
-        let mut equations: Echelon<1> = Echelon::empty(n);
+        let mut equations: Echelon<Residue<1>> = Echelon::empty(n);
         let mut idle = 0;
         for k in 0..MAX_VALUES as usize {
             self.at(pool, k)?;
@@ -128,7 +128,7 @@ impl Search<'_> {
             return Ok(Vec::new());
         }
         let rational = |v: Vec<Residue<1>>| v.iter().map(|c| c.to_rational(BOUND)).collect::<Option<Vec<Rational>>>();
-        let mut list: Vec<Vec<Rational>> = equations.nullspace().into_iter().filter_map(rational).collect();
+        let mut list: Vec<Vec<Rational>> = equations.null_space().into_iter().filter_map(rational).collect();
         list.sort_by_key(|v| v.iter().filter(|c| **c != Rational::ZERO).count());
         Ok(list)
     }
@@ -153,7 +153,7 @@ pub(crate) fn combinations(
     let rank = search.at(pool, 0)?.directions.len().max(search.at(pool, 1)?.directions.len());
     let wanted = m - rank.min(m);
     let mut found: Vec<Expr> = Vec::new();
-    let mut independent: Echelon<1> = Echelon::empty(m);
+    let mut independent: Echelon<Residue<1>> = Echelon::empty(m);
     let single: Vec<Product> = moving.iter().map(|&i| vec![(i, 1)]).collect();
     let all = quadratic(&moving, parameters.len());
     for (products, logarithms) in [(&single, true), (&single, false), (&all, false)] {

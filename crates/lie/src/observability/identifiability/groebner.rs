@@ -173,7 +173,7 @@ impl<const C: u64> Basis<C> {
         work: &mut Work<'_>,
     ) -> Result<Vec<Residue<C>>, NoBasis> {
         let d = standard.len();
-        let mut echelon: Echelon<C> = Echelon::empty(2 * d + 1);
+        let mut echelon: Echelon<Residue<C>> = Echelon::empty(2 * d + 1);
         let mut power = Polynomial { terms: vec![(Monomial::ONE, Residue::ONE)] };
         let p = self.normal_form(p, work)?;
         for k in 0..=d {

@@ -42,7 +42,7 @@ pub(crate) struct Question {
 pub(crate) struct Point<'a, const C: u64> {
     pub(crate) series: Expansion<'a, C>,
     /// Rows by variables, then coefficients of unknown inputs.
-    pub(crate) span: Echelon<C>,
+    pub(crate) span: Echelon<Residue<C>>,
     /// Highest derivative of each output that is needed: the first that depends on those before.
     pub(crate) heights: Vec<usize>,
     /// Values of the variables.
@@ -115,7 +115,7 @@ pub(crate) fn point<'a, const C: u64>(
 }
 
 /// Dimension of what a span shares with the differentials of the first `own` variables.
-fn shared_dimension<const C: u64>(span: &Echelon<C>, own: usize) -> usize {
+fn shared_dimension<const C: u64>(span: &Echelon<Residue<C>>, own: usize) -> usize {
     let tails: Vec<Vec<Residue<C>>> = span.rows.iter().map(|r| r[own..].to_vec()).collect();
     let columns = tails.first().map_or(0, Vec::len);
     span.rank() - Echelon::new(&tails, columns).rank()
@@ -123,7 +123,7 @@ fn shared_dimension<const C: u64>(span: &Echelon<C>, own: usize) -> usize {
 
 impl Question {
     /// The span with what is known from the start.
-    pub(crate) fn with_known<const C: u64>(&self, span: &Echelon<C>) -> Echelon<C> {
+    pub(crate) fn with_known<const C: u64>(&self, span: &Echelon<Residue<C>>) -> Echelon<Residue<C>> {
         let mut span = span.clone();
         for &i in &self.known {
             span.insert(unit_row(i, self.program.directions()));

@@ -1,13 +1,13 @@
-//! Dense linear algebra over the prime fields.
+//! Reduced row echelon forms over a field.
 
-use super::field::Residue;
+use super::field_element::{FieldElement, SmallResidue};
 
 /// Reduced row echelon form of a matrix, which can grow row by row.
 ///
 /// ```
 /// use bracketry_symbolic::{Echelon, Fp};
 /// let row = |v: [i64; 3]| v.map(Fp::from_i64).to_vec();
-/// let mut span = Echelon::<1>::empty(3);
+/// let mut span = Echelon::empty(3);
 /// assert!(span.insert(row([1, 2, 3])));
 /// assert!(span.insert(row([0, 1, 1])));
 /// assert!(!span.insert(row([2, 5, 7])));
@@ -15,9 +15,9 @@ use super::field::Residue;
 /// assert_eq!((span.rank(), span.independent.as_slice()), (2, [0, 1].as_slice()));
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Echelon<const C: u64 = 1> {
+pub struct Echelon<F> {
     /// The rows other than zero of the reduced row echelon form.
-    pub rows: Vec<Vec<Residue<C>>>,
+    pub rows: Vec<Vec<F>>,
     /// Column of the leading 1 of each row, ascending.
     pub pivots: Vec<usize>,
     /// Numbers of the inserted rows that were independent of those before them.
@@ -26,14 +26,14 @@ pub struct Echelon<const C: u64 = 1> {
     inserted: usize,
 }
 
-impl<const C: u64> Echelon<C> {
+impl<F: FieldElement> Echelon<F> {
     /// No rows yet, of `columns` entries each.
     pub fn empty(columns: usize) -> Self {
         Self { rows: Vec::new(), pivots: Vec::new(), independent: Vec::new(), columns, inserted: 0 }
     }
 
     /// Reduces the matrix with the given rows, all of length `columns` (shorter ones count as filled with zeros).
-    pub fn new(matrix: &[Vec<Residue<C>>], columns: usize) -> Self {
+    pub fn new(matrix: &[Vec<F>], columns: usize) -> Self {
         let mut e = Self::empty(columns);
         for row in matrix {
             if e.rows.len() == columns {
@@ -44,11 +44,23 @@ impl<const C: u64> Echelon<C> {
         e
     }
 
+    /// The smallest subspace with the vectors of `start`, of length `n`, that a linear map takes into itself.
+    pub fn invariant(start: &[Vec<F>], n: usize, map: impl Fn(&[F]) -> Vec<F>) -> Self {
+        let mut span = Self::empty(n);
+        let mut open = start.to_vec();
+        while let Some(v) = open.pop() {
+            if span.insert(v.clone()) {
+                open.push(map(&v));
+            }
+        }
+        span
+    }
+
     /// What is left of a row modulo the span: 0 in every pivot column. A shorter row counts as filled with zeros, and
     /// entries beyond the last column are left out.
     #[must_use]
-    pub fn reduce(&self, mut row: Vec<Residue<C>>) -> Vec<Residue<C>> {
-        row.resize(self.columns, Residue::ZERO);
+    pub fn reduce(&self, mut row: Vec<F>) -> Vec<F> {
+        row.resize(self.columns, F::ZERO);
         for (r, &p) in self.rows.iter().zip(&self.pivots) {
             eliminate(&mut row, r, p);
         }
@@ -56,21 +68,20 @@ impl<const C: u64> Echelon<C> {
     }
 
     /// True if the row is in the span.
-    pub fn contains(&self, row: &[Residue<C>]) -> bool {
-        self.reduce(row.to_vec()).iter().all(|v| v.is_zero())
+    pub fn contains(&self, row: &[F]) -> bool {
+        self.reduce(row.to_vec()).iter().all(F::is_zero)
     }
 
     /// Adds a row; false if it was in the span already.
-    pub fn insert(&mut self, row: Vec<Residue<C>>) -> bool {
+    pub fn insert(&mut self, row: Vec<F>) -> bool {
         let number = self.inserted;
         self.inserted += 1;
         let mut row = self.reduce(row);
-        let Some((p, lead)) = row.iter().copied().enumerate().find(|(_, v)| !v.is_zero()) else {
+        let Some((p, scale)) = row.iter().enumerate().find_map(|(p, lead)| Some((p, lead.inverse()?))) else {
             return false;
         };
-        let scale = lead.inv().unwrap_or(Residue::ONE);
         for v in &mut row[p..] {
-            *v *= scale;
+            v.scale(&scale);
         }
         for r in &mut self.rows {
             eliminate(r, &row, p);
@@ -87,42 +98,44 @@ impl<const C: u64> Echelon<C> {
         self.rows.len()
     }
 
-    /// A basis of the vectors v with M·v = 0, one for each column without a pivot.
-    pub fn nullspace(&self) -> Vec<Vec<Residue<C>>> {
-        let free = (0..self.columns).filter(|c| self.pivots.binary_search(c).is_err());
-        free.map(|c| {
-            let mut v = vec![Residue::ZERO; self.columns];
-            v[c] = Residue::ONE;
-            for (r, &p) in self.rows.iter().zip(&self.pivots) {
-                v[p] = -r[c];
-            }
-            v
-        })
-        .collect()
+    /// The columns without a pivot, ascending.
+    pub fn free_columns(&self) -> impl Iterator<Item = usize> {
+        (0..self.columns).filter(|c| self.pivots.binary_search(c).is_err())
+    }
+
+    /// A basis of the vectors v with M·v = 0, one for each column without a pivot, with 1 there.
+    pub fn null_space(&self) -> Vec<Vec<F>> {
+        self.free_columns()
+            .map(|c| {
+                let mut v = vec![F::ZERO; self.columns];
+                v[c] = F::ONE;
+                for (r, &p) in self.rows.iter().zip(&self.pivots) {
+                    v[p].subtract_product(&r[c], &F::ONE);
+                }
+                v
+            })
+            .collect()
     }
 }
 
-/// row −= row[p]·pivot, where pivot[p] = 1.
-fn eliminate<const C: u64>(row: &mut [Residue<C>], pivot: &[Residue<C>], p: usize) {
-    let f = row[p];
+/// row −= row[p]·pivot, where pivot[p] = 1 is its first entry other than zero.
+fn eliminate<F: FieldElement>(row: &mut [F], pivot: &[F], p: usize) {
+    let f = row[p].clone();
     if f.is_zero() {
         return;
     }
-    for (v, &w) in row.iter_mut().zip(pivot) {
-        *v -= f * w;
+    for (v, w) in row.iter_mut().zip(pivot).skip(p) {
+        v.subtract_product(&f, w);
     }
 }
 
 /// The coefficients by which `target` is a combination of `columns`.
 ///
 /// `Ok(None)` if it is independent of them; `Err(())` if the columns themselves are dependent.
-pub(super) fn combination<const C: u64>(
-    columns: &[Vec<Residue<C>>],
-    target: &[Residue<C>],
-) -> Result<Option<Vec<Residue<C>>>, ()> {
+pub(super) fn combination<F: FieldElement>(columns: &[Vec<F>], target: &[F]) -> Result<Option<Vec<F>>, ()> {
     let k = columns.len();
-    let rows: Vec<Vec<Residue<C>>> =
-        (0..target.len()).map(|i| columns.iter().map(|c| c[i]).chain([target[i]]).collect()).collect();
+    let row = |i: usize| columns.iter().chain([&target.to_vec()]).map(|c| c[i].clone()).collect();
+    let rows: Vec<Vec<F>> = (0..target.len()).map(row).collect();
     let e = Echelon::new(&rows, k + 1);
     if e.pivots.get(..k).is_none_or(|p| p.iter().enumerate().any(|(i, &q)| i != q)) {
         return Err(());
@@ -130,32 +143,14 @@ pub(super) fn combination<const C: u64>(
     if e.rank() > k {
         return Ok(None);
     }
-    Ok(Some(e.rows.iter().map(|r| r[k]).collect()))
+    Ok(Some(e.rows.iter().map(|r| r[k].clone()).collect()))
 }
 
-/// [`combination`] modulo a small prime `l`.
-pub(super) fn combination_mod(l: u64, columns: &[Vec<u64>], target: &[u64]) -> Result<Option<Vec<u64>>, ()> {
-    let k = columns.len();
-    let mut rows: Vec<Vec<u64>> =
-        (0..target.len()).map(|i| columns.iter().map(|c| c[i]).chain([target[i]]).collect()).collect();
-    // Every column must have its pivot in the row of its own number.
-    for c in 0..k {
-        let i = (c..rows.len()).find(|&i| rows[i][c] != 0).ok_or(())?;
-        rows.swap(c, i);
-        let inverse = (1..l).find(|x| x * rows[c][c] % l == 1).ok_or(())?;
-        rows[c].iter_mut().for_each(|v| *v = *v * inverse % l);
-        let pivot = rows[c].clone();
-        for (j, r) in rows.iter_mut().enumerate() {
-            if j != c && r[c] != 0 {
-                let f = l - r[c];
-                r.iter_mut().zip(&pivot).for_each(|(v, w)| *v = (*v + f * w) % l);
-            }
-        }
-    }
-    if rows[k..].iter().any(|r| r[k] != 0) {
-        return Ok(None);
-    }
-    Ok(Some(rows[..k].iter().map(|r| r[k]).collect()))
+/// [`combination`] of numbers modulo a small prime.
+pub(super) fn combination_modulo<const L: u64>(columns: &[Vec<u64>], target: &[u64]) -> Result<Option<Vec<u64>>, ()> {
+    let classes = |c: &[u64]| -> Vec<SmallResidue<L>> { c.iter().map(|&v| SmallResidue::new(v)).collect() };
+    let columns: Vec<_> = columns.iter().map(|c| classes(c)).collect();
+    Ok(combination(&columns, &classes(target))?.map(|c| c.into_iter().map(SmallResidue::value).collect()))
 }
 
 #[cfg(test)]
@@ -190,7 +185,7 @@ mod tests {
             assert_eq!(e.reduce(rest.clone()), rest);
             assert!(e.contains(&v.iter().zip(&rest).map(|(&x, &y)| x - y).collect::<Vec<_>>()));
             assert_eq!(e.contains(&v), k == n);
-            let kernel = e.nullspace();
+            let kernel = e.null_space();
             assert_eq!(kernel.len(), n - k);
             for v in kernel {
                 assert!(ab.iter().all(|r| r.iter().zip(&v).fold(Fp::ZERO, |s, (&x, &y)| s + x * y).is_zero()));
@@ -202,8 +197,8 @@ mod tests {
     fn combinations_modulo_small_primes() {
         let columns = vec![vec![1, 0, 2, 5], vec![0, 1, 3, 1]];
         let target = vec![2, 6, 2 * 2 + 6 * 3, 2 * 5 + 6].into_iter().map(|x: u64| x % 7).collect::<Vec<_>>();
-        assert_eq!(combination_mod(7, &columns, &target), Ok(Some(vec![2, 6])));
-        assert_eq!(combination_mod(7, &columns, &[0, 0, 0, 1]), Ok(None));
-        assert_eq!(combination_mod(7, &[vec![0, 0]], &[0, 1]), Err(()));
+        assert_eq!(combination_modulo::<7>(&columns, &target), Ok(Some(vec![2, 6])));
+        assert_eq!(combination_modulo::<7>(&columns, &[0, 0, 0, 1]), Ok(None));
+        assert_eq!(combination_modulo::<7>(&[vec![0, 0]], &[0, 1]), Err(()));
     }
 }
