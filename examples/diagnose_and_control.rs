@@ -100,7 +100,7 @@ fn main() -> anyhow::Result<()> {
         let experiment = multisine([0.3, 0.0, 0.0, 0.0, 0.0, 0.0], options.seconds, &settings, options.seed)?;
         let start = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
         let log = synthetic_log(&experiment, start, options.seconds, &effect, &settings, options.seed)?.log;
-        let (record, _) =
+        let record =
             Record::from_columns(&log.name, log.t.clone(), log.by_name(), &nominal, &RecordSettings::default())?;
         let mut diagnosis = Settings::default();
         diagnosis.study.window = Some(0.5);

@@ -94,7 +94,7 @@ fn independent(folder: &Path, system: &System, settings: &Settings, full: bool) 
     paths.sort();
     println!("| log | found | verdict | residual over noise, refitted | extended | s |\n|---|---|---|---|---|---|");
     for path in paths {
-        let (record, _) = read_record(&path, system, &reading)?;
+        let record = read_record(&path, system, &reading)?;
         let report = diagnose(system, &[record], &[], settings, &mut |_| ())?;
         let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.3}"));
         println!(
@@ -107,7 +107,7 @@ fn independent(folder: &Path, system: &System, settings: &Settings, full: bool) 
             report.seconds
         );
         if full {
-            println!("\n{}\n", diagnosis_text(&report));
+            println!("\n{}\n", diagnosis_text(&report, None));
         }
     }
     Ok(())
@@ -231,7 +231,7 @@ fn main() -> anyhow::Result<()> {
         }
         let record = |log: PlateLog| -> anyhow::Result<Record> {
             let columns = log.by_name();
-            Ok(Record::from_columns(&log.name, log.t, columns, &system, &RecordSettings::default())?.0)
+            Ok(Record::from_columns(&log.name, log.t, columns, &system, &RecordSettings::default())?)
         };
         let records = logs.into_iter().map(record).collect::<anyhow::Result<Vec<Record>>>()?;
         let validate = if options.held_out {
@@ -244,7 +244,7 @@ fn main() -> anyhow::Result<()> {
         let score = Score::of_causes(&hidden, &report).name();
         println!("| {run} | {effect:?} | {} | {score} | {:.1} |", named(&report), report.seconds);
         if options.full {
-            println!("\n{}\n", diagnosis_text(&report));
+            println!("\n{}\n", diagnosis_text(&report, None));
         }
         *scores.entry(effect.kind()).or_default().entry(score).or_default() += 1;
     }

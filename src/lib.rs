@@ -31,13 +31,13 @@ pub mod prelude;
 
 #[cfg(feature = "diagnose")]
 pub use bracketry_diagnose::diagnose;
-pub use bracketry_lie::{Analysis, AnalysisError, Influence, ReachTable, Reached, analyze};
+pub use bracketry_lie::{Analysis, AnalysisError, Influence, RankChange, Ranks, ReachTable, Reached, analyze};
 #[cfg(feature = "control")]
 pub use bracketry_mpc::{ControlError, Controlled, control, control_watched};
 #[cfg(feature = "report")]
 pub use bracketry_report::analysis::{AffinizationReport, InputChange};
 #[cfg(feature = "report")]
-pub use bracketry_report::{Diagnosis, Figure, RankChange, Ranks, friction_bands, friction_colors};
+pub use bracketry_report::{Diagnosis, Figure, friction_bands, friction_colors};
 #[cfg(feature = "simulate")]
 pub use bracketry_sim::{
     Breakdown, ExactPlant, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError, simulate,

@@ -151,3 +151,37 @@ fn reports_read_no_expression_from_text() {
         }
     }
 }
+
+/// Reports print what was found before: they start no analysis, simulation, fit, or solver of their own.
+#[test]
+fn reports_compute_nothing() {
+    let found_elsewhere = [
+        "analyze(",
+        "analyze_affine(",
+        "affinize(",
+        "transform(",
+        "linearize(",
+        "trim(",
+        "identifiability(",
+        "simulate(",
+        "diagnose(",
+        "control(",
+        "steer(",
+        "certify(",
+        "identify(",
+        "compensate(",
+        "solve(",
+    ];
+    for path in sources(&root().join("crates/report/src")) {
+        let text = fs::read_to_string(&path).unwrap();
+        let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        for line in lines.filter(|line| !line.contains("fn ")) {
+            for call in found_elsewhere {
+                let at = line.match_indices(call).find(|(at, _)| {
+                    !line[..*at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == '.' || c == '"')
+                });
+                assert!(at.is_none(), "{} calls `{call}`: {line}", path.display());
+            }
+        }
+    }
+}

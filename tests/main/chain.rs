@@ -207,7 +207,7 @@ fn record(plant: &System, u: &Excitation, bodies: usize, random: &mut StdRng) ->
         };
         columns.insert(name, states.iter().map(draw).collect());
     }
-    Record::from_columns("run", times, columns, plant, &RecordSettings::default()).unwrap().0
+    Record::from_columns("run", times, columns, plant, &RecordSettings::default()).unwrap()
 }
 
 fn diagnosed(system: &System, record: Record) -> Report {

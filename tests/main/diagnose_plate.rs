@@ -17,7 +17,7 @@ fn record(effect: &PlateMismatch, duration: f64, seed: u64) -> Record {
     let shaken = multisine(start, duration, &settings, seed).unwrap();
     let log = synthetic_log(&shaken, start, duration, effect, &settings, seed).unwrap().log;
     let columns = log.by_name();
-    Record::from_columns("multisine", log.t, columns, &disk(), &RecordSettings::default()).unwrap().0
+    Record::from_columns("multisine", log.t, columns, &disk(), &RecordSettings::default()).unwrap()
 }
 
 fn half_seconds() -> StudySettings {

@@ -20,8 +20,7 @@ fn study() -> Study {
     let system = System::parse("slider.toml", &log.model).expect("a model");
     let mut columns: BTreeMap<String, Vec<f64>> = log.columns.into_iter().collect();
     let times = columns.remove("t").expect("times");
-    let (record, _) =
-        Record::from_columns("log", times, columns, &system, &RecordSettings::default()).expect("a record");
+    let record = Record::from_columns("log", times, columns, &system, &RecordSettings::default()).expect("a record");
     Study::new(&system, &[record], &StudySettings::default()).expect("a study")
 }
 

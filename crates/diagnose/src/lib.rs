@@ -21,7 +21,7 @@
 //! }
 //! let [t, x, v, u] = columns;
 //! let columns = [("x", x), ("v", v), ("u", u)].map(|(name, values)| (name.to_owned(), values)).into();
-//! let (record, _) = Record::from_columns("run 1", t, columns, &model, &RecordSettings::default()).unwrap();
+//! let record = Record::from_columns("run 1", t, columns, &model, &RecordSettings::default()).unwrap();
 //! let report = diagnose(&model, &[record], &[], &Settings::default(), &mut |_| ()).unwrap();
 //! assert_eq!(report.causes[0].name, Cause::ViscousFriction);
 //! ```

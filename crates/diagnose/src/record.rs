@@ -2,6 +2,8 @@
 
 use bracketry_sim::Hold;
 
+use crate::read::Audit;
+
 /// What a measured column stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
@@ -48,4 +50,6 @@ pub struct Record {
     pub input_derivatives: Vec<Signal>,
     /// What was measured.
     pub measured: Vec<Measured>,
+    /// What was noticed when it was read; none for a record made by other means.
+    pub audit: Option<Audit>,
 }

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    Audit, Record, RecordSettings, Settings, StudySettings, diagnose as run, read_record, reference_candidates,
+    Record, RecordSettings, Settings, StudySettings, diagnose as run, read_record, reference_candidates,
 };
+use bracketry::lie::RankChange;
 use bracketry::system::System;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -43,27 +44,18 @@ impl From<Run<'_>> for Source {
     }
 }
 
-fn read(
-    sources: Vec<Source>,
-    system: &System,
-    settings: &RecordSettings,
-) -> Result<(Vec<Record>, Vec<Audit>), Failure> {
-    let mut runs = (Vec::new(), Vec::new());
-    for source in sources {
-        let (record, audit) = match source {
-            Source::File(path) => read_record(&path, system, settings)?,
-            Source::Columns(name, mut columns) => {
-                let Some(times) = columns.remove("t") else {
-                    let message = format!("{name}: there is no column `t`; add one with the time in seconds");
-                    return Err(Failure::new(message));
-                };
-                Record::from_columns(&name, times, columns, system, settings)?
-            }
-        };
-        runs.0.push(record);
-        runs.1.push(audit);
-    }
-    Ok(runs)
+fn read(sources: Vec<Source>, system: &System, settings: &RecordSettings) -> Result<Vec<Record>, Failure> {
+    let read = |source| match source {
+        Source::File(path) => Ok(read_record(&path, system, settings)?),
+        Source::Columns(name, mut columns) => {
+            let Some(times) = columns.remove("t") else {
+                let message = format!("{name}: there is no column `t`; add one with the time in seconds");
+                return Err(Failure::new(message));
+            };
+            Ok(Record::from_columns(&name, times, columns, system, settings)?)
+        }
+    };
+    sources.into_iter().map(read).collect()
 }
 
 /// Diagnoses runs, and measures the gain on further ones.
@@ -94,9 +86,7 @@ pub(crate) fn diagnose<'py>(
         // Threads of its own: those of a process that was forked do not exist in the new one.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         pool.install(|| -> Result<_, Failure> {
-            let (records, mut audits) = read(data, &system, &reading)?;
-            let (validate, more) = read(validate, &system, &reading)?;
-            audits.extend(more);
+            let (records, validate) = (read(data, &system, &reading)?, read(validate, &system, &reading)?);
             let defaults = Settings::default();
             let candidates = match &reference {
                 Some(other) => reference_candidates(&system, other).map_err(|e| Failure::from(e).about("reference"))?,
@@ -109,12 +99,11 @@ pub(crate) fn diagnose<'py>(
                 candidates,
                 ..defaults
             };
-            let mut report = run(&system, &records, &validate, &settings, &mut |_| {})?;
-            report.data = audits;
-            let extended = report.evidence.model.as_ref();
-            let extended =
-                extended.map(|m| -> Result<_, Failure> { Ok((m.system.clone(), m.to_toml()?)) }).transpose()?;
-            let diagnosis = Arc::new(Diagnosis::new(&system, report));
+            let report = run(&system, &records, &validate, &settings, &mut |_| {})?;
+            let model = report.evidence.model.as_ref();
+            let ranks = model.and_then(|m| RankChange::of_systems(&system, &m.system));
+            let extended = model.map(|m| -> Result<_, Failure> { Ok((m.system.clone(), m.to_toml()?)) }).transpose()?;
+            let diagnosis = Arc::new(Diagnosis { report, ranks, extended_model: None });
             let mut figures = Figures::default();
             for (k, figure) in diagnosis.figures().into_iter().enumerate() {
                 let drawn = Arc::clone(&diagnosis);

@@ -26,6 +26,6 @@ pub mod simulation;
 pub mod steering;
 pub mod stiffness;
 
-pub use diagnosis::{Diagnosis, DiagnosisJson, RankChange, Ranks, text as diagnosis_text};
+pub use diagnosis::{Diagnosis, DiagnosisJson, rank_change_text, text as diagnosis_text};
 pub use html::Figure;
 pub use simulation::{friction_bands, friction_colors};

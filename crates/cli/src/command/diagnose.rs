@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    Audit, Record, RecordSettings, Report, Settings, StudySettings, Verdict, diagnose, read_record,
-    reference_candidates,
+    Record, RecordSettings, Report, Settings, StudySettings, Verdict, diagnose, read_record, reference_candidates,
 };
+use bracketry::lie::RankChange;
 use bracketry::sim::Hold;
 use bracketry::system::System;
 use clap::Args;
@@ -97,9 +97,10 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
         ..RecordSettings::default()
     };
     let progress = spinner("reading the data");
-    let (records, mut audits) = read(&args.data, &system, &reading)?;
-    let (validate, more) = read(&args.validate, &system, &reading)?;
-    audits.extend(more);
+    let read = |paths: &[PathBuf]| -> Result<Vec<Record>, _> {
+        paths.iter().map(|path| read_record(path, &system, &reading)).collect()
+    };
+    let (records, validate) = (read(&args.data)?, read(&args.validate)?);
     let settings = Settings {
         study: StudySettings { window: args.window, fixed: args.fix.clone(), ..StudySettings::default() },
         max_causes: args.max_causes,
@@ -111,17 +112,21 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
         },
         ..Settings::default()
     };
-    let mut report =
+    let report =
         diagnose(&system, &records, &validate, &settings, &mut |stage| progress.set_message(stage.to_string()))?;
-    report.data = audits;
-    if let (Some(dir), Some(model)) = (&output.out, &report.evidence.model) {
-        folder(dir)?;
-        let path = dir.join("extended.toml");
-        write(&path, &model.to_toml()?)?;
-        report.extended_model = Some(path);
-    }
+    let model = report.evidence.model.as_ref();
+    let extended_model = match (&output.out, model) {
+        (Some(dir), Some(model)) => {
+            folder(dir)?;
+            let path = dir.join("extended.toml");
+            write(&path, &model.to_toml()?)?;
+            Some(path)
+        }
+        _ => None,
+    };
     progress.set_message("ranks of the extended model");
-    let diagnosis = Diagnosis::new(&system, report);
+    let ranks = model.and_then(|model| RankChange::of_systems(&system, &model.system));
+    let diagnosis = Diagnosis { report, ranks, extended_model };
     if let Some(dir) = &output.out {
         progress.set_message("drawing");
         write_files(dir, &diagnosis)?;
@@ -146,16 +151,6 @@ fn outcome(report: &Report) -> Outcome {
         Verdict::CauseFound | Verdict::NothingFound => Outcome::Done,
         Verdict::Unexplained | Verdict::Uninformative => Outcome::Negative,
     }
-}
-
-fn read(paths: &[PathBuf], system: &System, settings: &RecordSettings) -> anyhow::Result<(Vec<Record>, Vec<Audit>)> {
-    let mut runs = (Vec::new(), Vec::new());
-    for path in paths {
-        let (record, audit) = read_record(path, system, settings)?;
-        runs.0.push(record);
-        runs.1.push(audit);
-    }
-    Ok(runs)
 }
 
 /// Writes report and figures.

@@ -1,6 +1,6 @@
 //! What a laboratory would record of the true plant.
 
-use bracketry::diagnose::{Audit, DiagnoseError, Record, RecordSettings};
+use bracketry::diagnose::{DiagnoseError, Record, RecordSettings};
 use bracketry::plate::{
     AreaOutcome, Experiment, PlateKinematics, PlateMismatch, RESOLUTION, RecordingError, SyntheticLog, multisine,
     synthetic_log,
@@ -76,11 +76,10 @@ pub fn log_of_move(moved: &MoveOnPlant, settings: &StorySettings) -> SyntheticLo
     SyntheticLog::measured("closed loop", rows, outcome, &settings.plant, noise_of(settings.seed, 0))
 }
 
-/// The logs as records of the model's diagnosis, with what was noticed about them.
-pub(super) fn records(logs: &[SyntheticLog], model: &System) -> Result<(Vec<Record>, Vec<Audit>), DiagnoseError> {
+/// The logs as records of the model's diagnosis.
+pub(super) fn records(logs: &[SyntheticLog], model: &System) -> Result<Vec<Record>, DiagnoseError> {
     let read = |SyntheticLog { log, .. }: &SyntheticLog| {
         Record::from_columns(&log.name, log.t.clone(), log.by_name(), model, &RecordSettings::default())
     };
-    let read: Result<Vec<(Record, Audit)>, DiagnoseError> = logs.iter().map(read).collect();
-    Ok(read?.into_iter().unzip())
+    logs.iter().map(read).collect()
 }

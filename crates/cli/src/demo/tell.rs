@@ -4,9 +4,9 @@ use std::thread;
 use std::time::Instant;
 
 use bracketry::diagnose::{Report, Role, diagnose};
-use bracketry::lie::{Analysis, Options, analyze};
+use bracketry::lie::{Analysis, Options, RankChange, analyze};
 use bracketry::plate::{Object, Shape, move_with, published};
-use bracketry::report::{Diagnosis, RankChange, diagnosis_text};
+use bracketry::report::{Diagnosis, diagnosis_text};
 use bracketry::system::System;
 
 use super::event::{Finding, StoryEvent};
@@ -40,13 +40,12 @@ impl Story {
         })?;
         watch(StoryEvent::Told(&text::of_logs(&logs)));
         watch(StoryEvent::Found(Finding::Logs(&logs)));
-        let (mut records, audits) = logs::records(&logs, &model)?;
+        let mut records = logs::records(&logs, &model)?;
         let held_out: Vec<_> = records.pop().into_iter().collect();
         let mut progress =
             |stage: bracketry::diagnose::Stage| watch(StoryEvent::Working(4, &format!("diagnosis: {stage}")));
-        let mut report = diagnose(&model, &records, &held_out, &settings.diagnosis, &mut progress)?;
-        report.data = audits;
-        watch(StoryEvent::Told(&diagnosis_text(&report)));
+        let report = diagnose(&model, &records, &held_out, &settings.diagnosis, &mut progress)?;
+        watch(StoryEvent::Told(&diagnosis_text(&report, None)));
         watch(StoryEvent::Found(Finding::Diagnosis(&report)));
 
         watch(StoryEvent::Told(text::FIFTH));
@@ -75,7 +74,7 @@ impl Story {
             on_equations,
             as_published,
             logs,
-            diagnosis: Diagnosis { report, ranks },
+            diagnosis: Diagnosis { report, ranks, extended_model: None },
             extended_analysis,
             extended,
             seconds: 0.0,

@@ -8,7 +8,8 @@ use bracketry::plate::{AreaOutcome, SyntheticLog};
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;
 use super::story::Story;
-use bracketry::report::RankChange;
+use bracketry::lie::RankChange;
+use bracketry::report::rank_change_text;
 
 /// What is simulated, and what the equations are taken from.
 pub(super) const OPENING: &str = "\
@@ -177,9 +178,13 @@ pub(super) fn of_ranks(ranks: Option<&RankChange>, extended: bool) -> String {
         Some(ranks) => {
             let (before, after) = (&ranks.before, &ranks.after);
             format!(
-                "{ranks}\nAs long as no friction direction changes, the inputs of the published model reach a set of dimension {} of {}\n\
+                "{}\nAs long as no friction direction changes, the inputs of the published model reach a set of dimension {} of {}\n\
                  at each time, and those of the extended model reach one of dimension {} of {}.\n",
-                before.least_in_a_mode, before.states, after.least_in_a_mode, after.states
+                rank_change_text(ranks),
+                before.least_in_a_mode,
+                before.states,
+                after.least_in_a_mode,
+                after.states
             )
         }
         None if extended => "One of the two models cannot be analyzed.\n".to_owned(),

@@ -23,7 +23,7 @@ use crate::record::{Measured, Record};
 ///
 /// # Errors
 /// [`DiagnoseError::File`] with file, line, column and remedy for what is no such table.
-pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> Result<(Record, Audit), DiagnoseError> {
+pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> Result<Record, DiagnoseError> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy")) {
         let name = path.display().to_string();
         return Err(Origin { name: &name, table: None }
@@ -66,7 +66,7 @@ impl Record {
         columns: BTreeMap<String, Vec<f64>>,
         system: &System,
         settings: &RecordSettings,
-    ) -> Result<(Record, Audit), DiagnoseError> {
+    ) -> Result<Record, DiagnoseError> {
         let origin = Origin { name, table: None };
         for (column, values) in &columns {
             if values.len() != times.len() {
@@ -112,7 +112,7 @@ fn build(
     ignored: Vec<String>,
     system: &System,
     settings: &RecordSettings,
-) -> Result<(Record, Audit), DiagnoseError> {
+) -> Result<Record, DiagnoseError> {
     let mut roles = Roles::of(origin, columns, &ignored, system)?;
     let clock = Clock::of(origin, &roles.times, settings.limits.gap)?;
     for (column, values) in roles.driving() {
@@ -143,16 +143,18 @@ fn build(
     let driving = Driving::of(origin, roles.inputs, roles.derivatives, &roles.times, &clock.gaps, system, settings)?;
     audits.extend(driving.audits);
     let mut audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored, &settings.limits);
-    let record = Record {
+    let mut record = Record {
         name: origin.name.to_owned(),
         times: roles.times,
         gaps: clock.gaps,
         inputs: driving.inputs,
         input_derivatives: driving.derivatives,
         measured,
+        audit: None,
     };
     let limits = &settings.limits.consistency;
     audit.warnings.extend(check_rates(origin, &record, system, limits)?);
     audit.warnings.extend(check_angles(&record, system, limits));
-    Ok((record, audit))
+    record.audit = Some(audit);
+    Ok(record)
 }

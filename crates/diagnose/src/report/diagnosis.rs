@@ -1,7 +1,6 @@
 //! What a diagnosis found, as data.
 
 use std::fmt;
-use std::path::PathBuf;
 
 use bracketry_symbolic::Named;
 use serde::Serialize;
@@ -193,13 +192,11 @@ pub struct Report {
     pub gain: Option<Gain>,
     /// The refitted parameters by name, in the order of the model.
     pub parameters: Vec<RefittedParameter>,
-    /// The file of the extended model, once it is written.
-    pub extended_model: Option<PathBuf>,
     /// Residual against noise.
     pub excess: Option<Excess>,
     /// What was tried, the best first.
     pub candidates: Vec<Candidate>,
-    /// What was noticed in the data, one per record; filled by whoever read them.
+    /// What was noticed in the data, one per record that was read from columns.
     pub data: Vec<Audit>,
     /// What else the reader should know.
     pub notes: Vec<Note>,

@@ -134,6 +134,7 @@ mod tests {
             inputs,
             input_derivatives: vec![],
             measured,
+            audit: None,
         };
         let settings = StudySettings { window: Some(0.4), ..StudySettings::default() };
         let study = Study::new(&system, &[record], &settings).unwrap();

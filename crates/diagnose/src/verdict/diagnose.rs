@@ -56,6 +56,7 @@ pub fn diagnose(
     let data = distinct(records, validate);
     let mut report = examined(system, data, true, settings, &counter, progress)?;
     report.effort = counter.effort();
+    report.data = records.iter().chain(validate).filter_map(|r| r.audit.clone()).collect();
     report.seconds = started.elapsed().as_secs_f64();
     Ok(report)
 }

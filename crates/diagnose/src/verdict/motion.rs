@@ -45,7 +45,6 @@ pub(super) fn uninformative(system: &System, records: &[Record]) -> Report {
         residual_acceleration: Vec::new(),
         gain: None,
         parameters: Vec::new(),
-        extended_model: None,
         excess: None,
         candidates: Vec::new(),
         notes: Vec::new(),

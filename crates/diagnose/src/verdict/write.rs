@@ -57,7 +57,6 @@ pub(super) fn report(system: &System, search: &mut Search<'_>, findings: &Findin
         residual_acceleration: Vec::new(),
         gain: None,
         parameters,
-        extended_model: None,
         excess: Some(Excess {
             refitted: findings.base.alarm.size,
             extended: extended.filter(|e| !e.members.is_empty()).map(|e| e.alarm.size),

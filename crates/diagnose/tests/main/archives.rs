@@ -82,12 +82,12 @@ fn arrays_of_any_number_type_are_columns() {
         store(npz, "x", &[3], &[0.5f32, f32::NAN, 2.5]);
         store(npz, "other", &[2, 2], &[0u8; 4]);
     });
-    let (record, audit) = read_record(&path, &slider(), &RecordSettings::default()).unwrap();
+    let record = read_record(&path, &slider(), &RecordSettings::default()).unwrap();
     assert_eq!(record.times, [0.0, 0.5, 1.0]);
     assert_eq!(record.inputs[0].values, [1.0, 2.0, 3.0]);
     let x = &record.measured[0].values;
     assert!(x[0] == 0.5 && x[1].is_nan() && x[2] == 2.5);
-    assert_eq!(audit.ignored, ["other"]);
+    assert_eq!(record.audit.unwrap().ignored, ["other"]);
 }
 
 #[test]
@@ -134,9 +134,9 @@ proptest! {
         }
         let lines: Vec<String> = rows.iter().map(|(t, f, x)| format!("{t},{f},{x}")).collect();
         std::fs::write(path("rows.csv"), format!("t,F,x\n{}", lines.join("\n"))).unwrap();
-        if let Ok((record, audit)) = read_record(&path("rows.csv"), &slider(), &RecordSettings::default()) {
+        if let Ok(record) = read_record(&path("rows.csv"), &slider(), &RecordSettings::default()) {
             prop_assert!(record.measured.iter().all(|m| m.noise > 0.0 && m.noise.is_finite()));
-            prop_assert!(!audit.to_string().is_empty());
+            prop_assert!(!record.audit.unwrap().to_string().is_empty());
         }
     }
 

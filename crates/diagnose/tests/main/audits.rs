@@ -37,10 +37,11 @@ impl Swing {
         Self { times, th, w, u }
     }
 
-    fn read(self) -> Result<(Record, Audit), DiagnoseError> {
+    fn read(self) -> Result<Audit, DiagnoseError> {
         let columns = BTreeMap::from([("th".into(), self.th), ("w".into(), self.w), ("u".into(), self.u)]);
         let system = System::parse("pendulum.toml", PENDULUM).unwrap();
-        Record::from_columns("swing", self.times, columns, &system, &RecordSettings::default())
+        let record = Record::from_columns("swing", self.times, columns, &system, &RecordSettings::default())?;
+        Ok(record.audit.unwrap())
     }
 
     fn scaled(mut self, what: &str, factor: f64) -> Self {
@@ -57,7 +58,7 @@ impl Swing {
 
     /// The warnings, all in one text.
     fn warnings(self) -> String {
-        let (_, audit) = self.read().unwrap();
+        let audit = self.read().unwrap();
         audit.warnings.iter().map(|w| format!("{}; {}", w.message(), w.remedy())).collect::<Vec<_>>().join("\n")
     }
 }
@@ -117,7 +118,7 @@ fn a_constant_input_a_saturated_or_coarse_sensor_and_lost_values_are_said() {
     for w in &mut saturated.w {
         *w = w.clamp(-0.8, 0.8);
     }
-    let (_, audit) = saturated.read().unwrap();
+    let audit = saturated.read().unwrap();
     let w = audit.columns.iter().find(|c| c.name == "w").unwrap();
     assert!(w.saturated.unwrap() > 200, "{audit}");
     assert!(audit.to_string().contains("saturates"), "{audit}");

@@ -25,7 +25,7 @@ fn record(system: &System) -> Record {
         ("x".to_owned(), column(|t| -0.1 * (5.0 * t).sin())),
         ("v".to_owned(), column(|t| -0.5 * (5.0 * t).cos())),
     ]);
-    Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap().0
+    Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap()
 }
 
 fn right_hand_side(system: &System, at: &[f64]) -> Vec<f64> {

@@ -36,7 +36,7 @@ fn least_squares_parameters_of_the_positioning_system_leave_the_published_force_
             eprintln!("passed over: {} is not there", path.display());
             continue;
         }
-        let (record, _) = read_record(&path, &system, &as_published()).unwrap();
+        let record = read_record(&path, &system, &as_published()).unwrap();
         let residuals = force_residuals(&system, &[], &[], &[record], &EquationSettings::default()).unwrap();
         let error = force_error(&residuals).unwrap();
         assert!(
@@ -63,7 +63,7 @@ fn block() -> System {
 }
 
 fn read(system: &System, times: Vec<f64>, columns: BTreeMap<String, Vec<f64>>) -> Record {
-    Record::from_columns("run", times, columns, system, &as_published()).unwrap().0
+    Record::from_columns("run", times, columns, system, &as_published()).unwrap()
 }
 
 #[test]

@@ -192,7 +192,7 @@ dynamics = { x = "vx", y = "vy", phi = "w", vx = "0", vy = "0", w = "0" }
         ("y".to_owned(), column(&|t| 0.2 * t + d[0] * phi(t).sin() + d[1] * phi(t).cos())),
         ("phi".to_owned(), column(&phi)),
     ];
-    let (record, _) =
+    let record =
         Record::from_columns("free", times.clone(), columns.into(), &system, &RecordSettings::default()).unwrap();
     let effects = candidates(&system, std::slice::from_ref(&record), &LibrarySettings::default()).unwrap();
     let com = effects.into_iter().find(|e| e.cause == Cause::ComOffset).unwrap();

@@ -41,7 +41,7 @@ fn run<const N: usize>(
         let noise = Normal::new(0.0, share * size).unwrap();
         table.insert(name.to_owned(), values.iter().map(|v| v + noise.sample(&mut random)).collect());
     }
-    (Record::from_columns("run.csv", times, table, system, &RecordSettings::default()).unwrap().0, states)
+    (Record::from_columns("run.csv", times, table, system, &RecordSettings::default()).unwrap(), states)
 }
 
 /// The verdict with the first parameter, a mass, at its value.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use bracketry_diagnose::{Audit, DiagnoseError, Quantity, Record, RecordSettings, read_record};
+use bracketry_diagnose::{DiagnoseError, Quantity, Record, RecordSettings, read_record};
 use bracketry_sim::Hold;
 use bracketry_system::System;
 
@@ -33,7 +33,7 @@ fn file(name: &str, text: impl AsRef<[u8]>) -> PathBuf {
     path
 }
 
-fn read(name: &str, text: &str, model: &str, settings: &RecordSettings) -> Result<(Record, Audit), DiagnoseError> {
+fn read(name: &str, text: &str, model: &str, settings: &RecordSettings) -> Result<Record, DiagnoseError> {
     read_record(&file(name, text), &system(model), settings)
 }
 
@@ -45,7 +45,8 @@ fn renamed(pairs: &[(&str, &str)]) -> RecordSettings {
 #[test]
 fn columns_are_taken_by_name() {
     let text = "\u{feff}# made by hand\nt, v, F, x, power, note\n0,1,2,3,4,hello\n0.1,,5,nan,7,\n0.2,8,9,10,11,-\n";
-    let (record, audit) = read("by_name.csv", text, SLIDER, &RecordSettings::default()).unwrap();
+    let record = read("by_name.csv", text, SLIDER, &RecordSettings::default()).unwrap();
+    let audit = record.audit.clone().unwrap();
     assert_eq!(record.times, [0.0, 0.1, 0.2]);
     assert_eq!(record.inputs[0].values, [2.0, 5.0, 9.0]);
     assert_eq!(record.inputs[0].hold, Hold::Previous);
@@ -63,7 +64,8 @@ fn columns_are_taken_by_name() {
 fn columns_are_renamed() {
     let text = "time,q,force,F\n0,1,2,0\n1,2,3,0\n2,3,4,0\n";
     let settings = renamed(&[("time", "t"), ("q", "x"), ("force", "F"), ("F", "old")]);
-    let (record, audit) = read("renamed.csv", text, SLIDER, &settings).unwrap();
+    let record = read("renamed.csv", text, SLIDER, &settings).unwrap();
+    let audit = record.audit.clone().unwrap();
     assert_eq!(record.measured[0].name, "x");
     assert_eq!(record.inputs[0].values, [2.0, 3.0, 4.0]);
     assert_eq!(audit.ignored, ["F"]);
@@ -72,10 +74,10 @@ fn columns_are_renamed() {
 #[test]
 fn columns_and_files_give_the_same_record() {
     let text = "t,F,x\n0,1,2\n0.5,3,4\n1,5,7\n";
-    let (from_file, _) = read("same.csv", text, SLIDER, &RecordSettings::default()).unwrap();
+    let from_file = read("same.csv", text, SLIDER, &RecordSettings::default()).unwrap();
     let columns = BTreeMap::from([("F".into(), vec![1.0, 3.0, 5.0]), ("x".into(), vec![2.0, 4.0, 7.0])]);
     let times = vec![0.0, 0.5, 1.0];
-    let (from_columns, _) =
+    let from_columns =
         Record::from_columns(&from_file.name, times, columns, &system(SLIDER), &RecordSettings::default()).unwrap();
     assert_eq!(from_file, from_columns);
 }
@@ -84,7 +86,8 @@ fn columns_and_files_give_the_same_record() {
 fn a_gap_in_time_splits_the_run() {
     let times = (0..40).map(|k| f64::from(k) * 0.01 + if k < 25 { 0.0 } else { 1.0 });
     let rows = times.map(|t| format!("{t},0.5,{t}")).collect::<Vec<_>>().join("\n");
-    let (record, audit) = read("gap.csv", &format!("t,F,x\n{rows}"), SLIDER, &RecordSettings::default()).unwrap();
+    let record = read("gap.csv", &format!("t,F,x\n{rows}"), SLIDER, &RecordSettings::default()).unwrap();
+    let audit = record.audit.clone().unwrap();
     assert_eq!(record.gaps, [25]);
     assert_eq!(audit.gaps, 1);
     assert!((audit.step - 0.01).abs() < 1e-9 && audit.jitter < 1e-9);
@@ -126,14 +129,14 @@ fn what_is_wrong_is_named_with_place_and_remedy() {
 #[test]
 fn a_column_whose_name_another_gets_may_be_called_anything() {
     let swapped = renamed(&[("q", "x"), ("x", "bar")]);
-    let (record, _) = read("other.csv", "t,F,x,q\n0,1,2,3\n1,1,2,3\n", SLIDER, &swapped).unwrap();
+    let record = read("other.csv", "t,F,x,q\n0,1,2,3\n1,1,2,3\n", SLIDER, &swapped).unwrap();
     assert_eq!(record.measured[0].values, [3.0, 3.0]);
 }
 
 #[test]
 fn a_quantity_may_stand_there_twice_with_the_same_numbers() {
     let model = SLIDER.replace("power = ", "q = \"x\", power = ");
-    let (record, _) = read("same.csv", "t,F,x,q\n0,1,2,2\n1,1,3,3\n", &model, &RecordSettings::default()).unwrap();
+    let record = read("same.csv", "t,F,x,q\n0,1,2,2\n1,1,3,3\n", &model, &RecordSettings::default()).unwrap();
     assert_eq!(record.measured.len(), 1);
     let other = read("other.csv", "t,F,x,q\n0,1,2,2\n1,1,3,4\n", &model, &RecordSettings::default());
     let message = other.unwrap_err().to_string();
@@ -142,7 +145,7 @@ fn a_quantity_may_stand_there_twice_with_the_same_numbers() {
 
 #[test]
 fn an_input_that_no_equation_uses_needs_no_column() {
-    let (record, _) = read("unused.csv", "t,x,\"der(X,2)\"\n0,1,5\n1,1,6\n", CART, &RecordSettings::default()).unwrap();
+    let record = read("unused.csv", "t,x,\"der(X,2)\"\n0,1,5\n1,1,6\n", CART, &RecordSettings::default()).unwrap();
     assert_eq!(record.inputs.len(), 2);
     assert_eq!(record.input_derivatives[0].values, [5.0, 6.0]);
 }
@@ -157,8 +160,9 @@ fn a_derivative_without_a_column_comes_from_a_spline() {
     };
     let x = column(&|t| 0.01 * (9.0 * t).sin());
     let second = column(&|t| -0.81 * (9.0 * t).sin());
-    let (by_spline, audit) = given(vec![("X", x.clone()), ("x", x.clone())]);
-    let (by_column, _) = given(vec![("X", x.clone()), ("der(X,2)", second.clone()), ("x", x)]);
+    let by_spline = given(vec![("X", x.clone()), ("x", x.clone())]);
+    let audit = by_spline.audit.clone().unwrap();
+    let by_column = given(vec![("X", x.clone()), ("der(X,2)", second.clone()), ("x", x)]);
     assert_eq!(by_column.input_derivatives[0].values, second);
     // A motion, not a command.
     assert!(

@@ -51,7 +51,7 @@ fn driven(system: &System, (mass, friction, push): (f64, f64, f64), seed: u64) -
             x += h * v;
         }
     }
-    Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap().0
+    Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap()
 }
 
 #[test]

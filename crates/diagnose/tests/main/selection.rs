@@ -46,7 +46,7 @@ fn run<const N: usize>(
     }
     let mut columns: BTreeMap<String, Vec<f64>> = system.state_names().into_iter().zip(states).collect();
     columns.insert(system.input_names()[0].clone(), u);
-    Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap().0
+    Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap()
 }
 
 fn verdict(system: &System, record: &Record, settings: &Settings) -> Report {

@@ -71,7 +71,7 @@ fn extended(system: &System, effects: &[Effect], value: impl Fn(&str) -> f64) ->
         .chain(&system.inputs)
         .map(|&s| (system.symbol_name(s).to_owned(), times.iter().map(|t| 0.1 * (7.0 * t).sin()).collect()))
         .collect();
-    let (record, _) = Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap();
+    let record = Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap();
     let mut fit = Study::new(system, &[record], &StudySettings::default()).unwrap().nominal();
     fit.effects = effects.to_vec();
     for c in effects.iter().flat_map(|e| &e.coefficients) {

@@ -19,7 +19,7 @@ fn pushed() -> (System, Record) {
         x += 0.01 * v;
     }
     let columns = BTreeMap::from([("u".to_owned(), force), ("x".to_owned(), positions)]);
-    let record = Record::from_columns("run", times, columns, &system, &RecordSettings::default()).unwrap().0;
+    let record = Record::from_columns("run", times, columns, &system, &RecordSettings::default()).unwrap();
     (system, record)
 }
 

@@ -63,6 +63,7 @@ fn log(truth: &System, seconds: f64, rate: f64, delay: f64, columns: usize, leve
         inputs: vec![Signal { values: u, hold: Hold::Previous }],
         input_derivatives: Vec::new(),
         measured,
+        audit: None,
     }
 }
 
@@ -147,6 +148,7 @@ fn exact(times: Vec<f64>, u: Vec<f64>, hold: Hold, x: Vec<f64>, noise: f64) -> R
         inputs: vec![Signal { values: u, hold }],
         input_derivatives: Vec::new(),
         measured: vec![measured],
+        audit: None,
     }
 }
 

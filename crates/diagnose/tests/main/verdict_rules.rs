@@ -17,7 +17,7 @@ fn pushed(name: &str, force: f64, seed: u64) -> (System, Record) {
     columns.get_mut("u").unwrap().iter_mut().for_each(|u| *u -= force);
     let times = columns.remove("t").unwrap();
     let system = System::parse("slider.toml", &log.model).unwrap();
-    let (record, _) = Record::from_columns(name, times, columns, &system, &RecordSettings::default()).unwrap();
+    let record = Record::from_columns(name, times, columns, &system, &RecordSettings::default()).unwrap();
     (system, record)
 }
 
@@ -66,7 +66,7 @@ fn a_force_that_turns_round_in_the_held_out_run_is_no_cause() {
     let (_, other) = pushed("other.csv", -0.6, 4);
     let report = verdict(&system, &[&record], &[&other]);
     assert_eq!(report.verdict, Verdict::Unexplained, "{report:?}");
-    assert!(report.causes.is_empty() && report.extended_model.is_none());
+    assert!(report.causes.is_empty() && report.evidence.model.is_none());
     let outcome = &report.reason.outcome;
     let refuted = match outcome {
         Outcome::NotBorneOut { share, .. } => *share >= 0.005,

@@ -4,7 +4,7 @@ use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::VectorFields;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::error::Error;
 use crate::evidence::Evidence;
 

@@ -7,7 +7,7 @@ use crate::algebra::span::vanishes;
 use crate::algebra::subsets::subsets;
 use crate::answer::Answer;
 use crate::controllability::linearization::Linearization;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::local_degree::has_local_degree;
 use crate::controllability::open_map::open_by_second_order;
 use crate::controllability::sign::{NearOrigin, Sign};

@@ -5,7 +5,7 @@ use bracketry_symbolic::Pool;
 use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
 use crate::controllability::linearization::Linearization;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::{definite_form, half_space, stefani};
 use crate::controllability::prolonged::{is_odd, with_integrators};

@@ -7,7 +7,7 @@ use crate::algebra::field::VectorFields;
 use crate::controllability::balance::balance;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::{InputValues, Side};
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::linear::program::{Optimum, Program};

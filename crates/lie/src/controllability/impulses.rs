@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::InputValues;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use bracketry_numerics::eigen::{svd, symmetric_eigen};
 
 /// Most input fields along which the state jumps, and most bounded inputs whose ends are combined.

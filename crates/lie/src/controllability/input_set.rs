@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Expr, Pool, Rational};
 
 use crate::controllability::input_values::{InputValues, Side};
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 
 /// The inputs in their order, with their names, the values that they take and the sides to which
 /// they are said to move from their values at the point.

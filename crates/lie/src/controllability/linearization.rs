@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::algebra::field::{Field, VectorFields};
 use crate::answer::Answer;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::evidence::Evidence;
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::spectrum::{Root, Spectrum};

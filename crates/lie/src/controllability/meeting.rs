@@ -8,7 +8,7 @@ use crate::algebra::field::VectorFields;
 use crate::answer::Answer;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::InputValues;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::stlc::{BoundedStlc, Stlc};
 use crate::controllability::switched::Invariant;
 use crate::error::Error;

@@ -1,10 +1,9 @@
 //! What the inputs reach: generically, at a point, by switching.
 
-pub(crate) mod accessibility;
 pub(crate) mod balance;
 pub(crate) mod brockett;
-pub(crate) mod canceled;
-pub(crate) mod canceling;
+pub(crate) mod canceled_switching;
+pub(crate) mod canceling_brackets;
 pub(crate) mod cone;
 pub(crate) mod decide;
 pub(crate) mod holding;
@@ -13,9 +12,8 @@ pub(crate) mod input_set;
 pub(crate) mod input_values;
 pub(crate) mod invariants;
 pub(crate) mod involutive;
-pub(crate) mod kink;
 pub(crate) mod linearization;
-pub(crate) mod local;
+pub(crate) mod local_accessibility;
 pub(crate) mod local_degree;
 pub(crate) mod meeting;
 pub(crate) mod monotone;
@@ -33,6 +31,8 @@ pub(crate) mod sticking;
 pub(crate) mod stlc;
 pub(crate) mod surface;
 pub(crate) mod sussmann;
+pub(crate) mod switch_point;
 pub(crate) mod switched;
 pub(crate) mod unbounded;
 pub(crate) mod uncontrollable;
+pub(crate) mod uninfluenced;

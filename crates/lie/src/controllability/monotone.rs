@@ -10,7 +10,7 @@ use crate::algebra::span::vanishes;
 use crate::budget::check_growth;
 use crate::controllability::impulses::is_entire;
 use crate::controllability::input_values::Side;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::sign::{Extent, NearOrigin, Sign};
 use crate::evidence::Evidence;
 use crate::reason::{Monotone, StlcReason};

@@ -13,7 +13,7 @@ use crate::budget::check_growth;
 use crate::controllability::holding::supporting;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::complement;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::sign::{Extent, NearOrigin, Sign, definite};
 use crate::evidence::Evidence;
 use crate::options::Limits;

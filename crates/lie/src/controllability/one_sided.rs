@@ -10,7 +10,7 @@ use crate::controllability::holding::{Holding, deviations, holding, points_to_on
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::{InputValues, Side};
 use crate::controllability::linearization::Linearization;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
 use crate::controllability::prolonged::with_integrators;

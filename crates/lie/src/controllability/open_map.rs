@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Expr, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::linear::form::signs;
 use crate::linear::matrix::RationalMatrix;
 

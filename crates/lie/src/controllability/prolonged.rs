@@ -5,7 +5,7 @@ use bracketry_symbolic::{Func, Node, Pool};
 use crate::algebra::field::VectorFields;
 use crate::algebra::span::vanishes;
 use crate::controllability::input_values::Side;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::search::general;
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::error::Error;

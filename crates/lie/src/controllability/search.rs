@@ -2,8 +2,8 @@
 
 use bracketry_symbolic::Pool;
 
-use crate::controllability::canceling::canceling;
-use crate::controllability::local::Frame;
+use crate::controllability::canceling_brackets::canceling;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::stlc::{GeneralCondition, Stlc, Verdict};
 use crate::controllability::sussmann::{Brackets, Inputs, Outcome, choices, shortened};
 use crate::evidence::Evidence;

@@ -4,7 +4,7 @@ use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, Zer
 use nalgebra::DMatrix;
 use rustc_hash::FxHashMap;
 
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::linear::form::signs;
 use crate::linear::matrix::RationalMatrix;
 use bracketry_numerics::eigen::symmetric_eigen;

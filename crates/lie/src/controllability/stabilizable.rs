@@ -7,7 +7,7 @@ use crate::answer::Answer;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::{Linearization, is_hurwitz, is_linear, uncontrollable};
-use crate::controllability::local::{Frame, LocalAccessibility};
+use crate::controllability::local_accessibility::{Frame, LocalAccessibility};
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
 use crate::controllability::sign::Extent;

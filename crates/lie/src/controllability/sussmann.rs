@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::algebra::field::{Field, bracket, is_plain_zero};
 use crate::algebra::word::{Bracket, Word, generators};
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::evidence::Evidence;
 use crate::options::Limits;
 use crate::residues::{Echelon, Fp, PRIME};

@@ -6,7 +6,7 @@ use crate::controllability::impulses::surrounded_by_jumps;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::is_linear;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
 use crate::controllability::sign::Extent;

@@ -5,7 +5,7 @@ use dashu_int::ops::BitTest;
 use serde::Serialize;
 
 use crate::controllability::linearization::Uncontrollable;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::spectrum::Root;
 

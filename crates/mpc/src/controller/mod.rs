@@ -3,7 +3,7 @@
 mod branches;
 mod failure_policy;
 mod interface;
-mod remembering;
+mod previous_input;
 mod rounded;
 mod step;
 mod sum_up_rounding;
@@ -13,7 +13,7 @@ pub use failure_policy::{Brake, FailurePolicy};
 pub(crate) use failure_policy::{Failures, rest_input};
 pub(crate) use interface::forward_to;
 pub use interface::{Controller, Figures};
-pub(crate) use remembering::Remembering;
+pub(crate) use previous_input::WithPreviousInput;
 pub(crate) use rounded::Rounded;
 pub use step::{FallbackReason, InputSource, SolverEffort, Step, StepLimits, StepStatus, Timings};
 pub use sum_up_rounding::SumUpRounding;

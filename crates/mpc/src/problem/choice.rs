@@ -2,7 +2,7 @@
 
 use super::control_problem::ControlProblem;
 use super::method::{Convergence, Feedback, Method, MethodReason};
-use super::rehearsal::Rehearsal;
+use super::open_loop::Rehearsal;
 use super::signs::jumps;
 use super::start::Prepared;
 use crate::controller::StepStatus;

@@ -14,7 +14,7 @@ mod method;
 mod note_text;
 mod notes;
 mod on_plant;
-mod rehearsal;
+mod open_loop;
 mod report;
 mod rounding;
 mod run;

@@ -3,7 +3,7 @@
 use super::control_problem::ControlProblem;
 use super::method::Method;
 use super::notes::Note;
-use super::rehearsal::Rehearsal;
+use super::open_loop::Rehearsal;
 use super::verdict::floor;
 use crate::closed_loop::ClosedLoop;
 use crate::controller::{Controller, SumUpRounding};

@@ -2,10 +2,10 @@
 
 use super::control_problem::ControlProblem;
 use super::method::{Convergence, Feedback, Method};
-use super::rehearsal::Rehearsal;
+use super::open_loop::Rehearsal;
 use super::verdict::floor;
 use crate::closed_loop::DelayCompensated;
-use crate::controller::{Controller, Remembering, Rounded, StepStatus};
+use crate::controller::{Controller, Rounded, StepStatus, WithPreviousInput};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::{MpcError, check_flag};
 use crate::estimation::OutputFeedback;
@@ -168,7 +168,7 @@ impl ControlProblem {
             controller = Box::new(Rounded::new(controller)?);
         }
         if !self.ocp.previous_inputs.is_empty() {
-            controller = Box::new(Remembering::new(controller, &first)?);
+            controller = Box::new(WithPreviousInput::new(controller, &first)?);
             if let Some(plan) = &mut plan {
                 plan.trajectory = plan.trajectory.first_states(self.ocp.model_states());
             }

@@ -5,7 +5,7 @@ use super::cause::Cause;
 use super::control_problem::ControlProblem;
 use super::method::{Method, MethodReason};
 use super::notes::Note;
-use super::rehearsal::{Held, Rehearsal};
+use super::open_loop::{Held, Rehearsal};
 use super::signs::jumps;
 use crate::closed_loop::ClosedLoop;
 use crate::error::MpcError;

@@ -24,7 +24,7 @@ mod interior_point;
 mod settings;
 mod solution;
 mod solver;
-mod spare;
+mod trajectory_pool;
 
 pub use controller::SqpController;
 pub use settings::{Hessian, SqpSettings};

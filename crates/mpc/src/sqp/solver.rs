@@ -3,7 +3,7 @@
 use super::filter::WIDEST;
 use super::settings::{Hessian, SqpSettings};
 use super::solution::{Iteration, Solution, SolveStatus};
-use super::spare::Spare;
+use super::trajectory_pool::TrajectoryPool;
 use crate::controller::{SolverEffort, StepLimits};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_flag, check_length, check_value};
@@ -33,7 +33,7 @@ pub struct Sqp {
     pub(super) confirming: bool,
     /// Whether the last solution is one of the interior-point method that no program has confirmed.
     pub(super) unconfirmed: bool,
-    pub(super) spare: Spare,
+    pub(super) spare: TrajectoryPool,
 }
 
 /// The layout of the problem for the interior-point method, with the places of the field's second derivatives; none where it does not take
@@ -90,7 +90,7 @@ impl Sqp {
             interior_leads: false,
             confirming: true,
             unconfirmed: false,
-            spare: Spare::default(),
+            spare: TrajectoryPool::default(),
         })
     }
 

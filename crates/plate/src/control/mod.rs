@@ -1,6 +1,7 @@
 //! Feedback control of the object's pose by the plate's motion: what controllers see, what they command, within what bounds.
 
 mod area_loop_plant;
+mod displacement;
 mod interface;
 mod learned;
 mod leveling;
@@ -19,7 +20,6 @@ mod rounded_contact;
 mod servo_lag;
 mod settings;
 mod shortest;
-mod way;
 
 pub use area_loop_plant::{AreaLoopPlant, RESOLUTION};
 pub use interface::{Command, Measurement, PlateController};

@@ -1,5 +1,6 @@
 //! Position and orientation of the object at the same time, from any start to any target.
 
+use super::displacement::{nearest_turn, repetition};
 use super::interface::{Command, Measurement, PlateController};
 use super::learned::{Learned, validate};
 use super::leveling::leveling;
@@ -10,7 +11,6 @@ use super::replay::Replay;
 use super::servo_lag::ServoLag;
 use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
 use super::shortest::Search;
-use super::way::{nearest_turn, repetition};
 use crate::{Object, PlateError, PlateKinematics};
 use bracketry_mpc::{Rti, StepStatus, Trajectory};
 use std::collections::VecDeque;

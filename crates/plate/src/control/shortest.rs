@@ -1,8 +1,8 @@
 //! The search for the shortest plan.
 
+use super::displacement::ways_round;
 use super::oscillation::Oscillation;
 use super::planner::{Plan, Planner, cost};
-use super::way::ways_round;
 use crate::PlateError;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::time::Instant;

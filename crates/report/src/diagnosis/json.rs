@@ -76,8 +76,8 @@ struct PlaceJson<'a> {
 }
 
 impl<'a> DiagnosisJson<'a> {
-    /// Of a report.
-    pub fn of(report: &'a Report) -> Self {
+    /// Of a report, and of the file to which its extended model was written.
+    pub fn of(report: &'a Report, extended_model: Option<&'a Path>) -> Self {
         Self {
             model: &report.model,
             verdict: report.verdict,
@@ -88,7 +88,7 @@ impl<'a> DiagnosisJson<'a> {
             residual_acceleration: &report.residual_acceleration,
             gain: report.gain.as_ref(),
             parameters: &report.parameters,
-            extended_model: report.extended_model.as_deref(),
+            extended_model,
             excess: report.excess.as_ref(),
             candidates: &report.candidates,
             data: &report.data,

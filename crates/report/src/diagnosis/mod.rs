@@ -1,5 +1,4 @@
-//! A diagnosis with what only the whole of the library can add: what the extended model changes in the analysis, figures,
-//! and the report as a page.
+//! A diagnosis with what the extended model changes in the analysis, as text, JSON, figures, and a page.
 
 mod figures;
 mod json;
@@ -10,13 +9,14 @@ mod table;
 mod text;
 
 use std::fmt;
+use std::path::PathBuf;
 
 use bracketry_diagnose::Report;
-use bracketry_system::System;
+use bracketry_lie::RankChange;
 use serde::{Serialize, Serializer};
 
 pub use json::DiagnosisJson;
-pub use ranks::{RankChange, Ranks};
+pub use ranks::rank_change_text;
 pub use text::text;
 
 /// A diagnosis and what follows from it.
@@ -27,15 +27,8 @@ pub struct Diagnosis {
     /// What the extended model changes in what the inputs reach; absent without an extended model, or if one of the two
     /// models cannot be analyzed.
     pub ranks: Option<RankChange>,
-}
-
-impl Diagnosis {
-    /// Adds to a report on `system` what the extended model changes in what the inputs reach.
-    pub fn new(system: &System, report: Report) -> Self {
-        let extended = report.evidence.model.as_ref();
-        let ranks = extended.and_then(|extended| RankChange::of_systems(system, &extended.system));
-        Self { report, ranks }
-    }
+    /// The file of the extended model, if it was written.
+    pub extended_model: Option<PathBuf>,
 }
 
 impl Serialize for Diagnosis {
@@ -48,15 +41,16 @@ impl Serialize for Diagnosis {
             #[serde(skip_serializing_if = "Option::is_none")]
             ranks: Option<&'a RankChange>,
         }
-        Whole { report: DiagnosisJson::of(&self.report), ranks: self.ranks.as_ref() }.serialize(serializer)
+        let report = DiagnosisJson::of(&self.report, self.extended_model.as_deref());
+        Whole { report, ranks: self.ranks.as_ref() }.serialize(serializer)
     }
 }
 
 impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&text(&self.report))?;
+        f.write_str(&text(&self.report, self.extended_model.as_deref()))?;
         match &self.ranks {
-            Some(ranks) => write!(f, "\n{ranks}"),
+            Some(ranks) => write!(f, "\n{}", rank_change_text(ranks)),
             None => Ok(()),
         }
     }

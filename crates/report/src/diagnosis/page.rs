@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use bracketry_diagnose::{Gain, NamedCause, Report, measured, p_value, significant};
 
 use super::Diagnosis;
+use super::ranks::rank_change_text;
 use super::sentences::{self, closeness, reason, regime};
 use crate::html::{self, Figure, equations, escaped, heading, paragraph, percent, symbol, table, verbatim};
 
@@ -50,7 +51,7 @@ impl Diagnosis {
             out += &(paragraph("As a model file:") + &verbatim(&text));
         }
         if let Some(ranks) = &self.ranks {
-            out += &verbatim(&ranks.to_string());
+            out += &verbatim(&rank_change_text(ranks));
         }
         out
     }

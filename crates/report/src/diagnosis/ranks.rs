@@ -1,75 +1,19 @@
 //! What the extended model changes in what the inputs reach.
 
-use std::fmt;
+use std::fmt::Display;
 
-use bracketry_lie::{Analysis, Answer, Dimensions, Options, analyze};
-use bracketry_system::System;
-use serde::Serialize;
+use bracketry_lie::RankChange;
 
-/// Dimensions of what the inputs of a model reach.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Ranks {
-    /// Number of states of the affine model.
-    pub states: usize,
-    /// Generic dimension of the accessible set; of all modes together where the model switches.
-    pub accessible_dimension: Answer<usize>,
-    /// Generic dimension of the strongly accessible set; of all modes together where the model switches.
-    pub strongly_accessible_dimension: Answer<usize>,
-    /// The smallest strongly accessible dimension of a single mode.
-    pub least_in_a_mode: Answer<usize>,
-}
-
-/// Ranks of the given and of the extended model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RankChange {
-    /// The given model.
-    pub before: Ranks,
-    /// The extended one.
-    pub after: Ranks,
-}
-
-impl Ranks {
-    /// Those of an analysis; none where no dimension was found.
-    fn of(analysis: &Analysis) -> Option<Self> {
-        let report = &analysis.report;
-        let all: &Dimensions =
-            report.switched.as_ref().map(|s| &s.dimensions).or_else(|| report.modes.first().map(|m| &m.dimensions))?;
-        let modes = report.modes.iter().map(|m| &m.dimensions.strongly_accessible_dimension);
-        // An undecided mode leaves the smallest undecided.
-        let least = modes.min_by_key(|d| d.known().copied().unwrap_or(0))?;
-        Some(Self {
-            states: analysis.states,
-            accessible_dimension: all.accessible_dimension.clone(),
-            strongly_accessible_dimension: all.strongly_accessible_dimension.clone(),
-            least_in_a_mode: least.clone(),
-        })
-    }
-}
-
-impl RankChange {
-    /// What the analyses of both models say; none where one of them found no dimension.
-    pub fn between(given: &Analysis, extended: &Analysis) -> Option<Self> {
-        Some(Self { before: Ranks::of(given)?, after: Ranks::of(extended)? })
-    }
-
-    /// Analyzes both models; none if one of them cannot be analyzed.
-    pub(super) fn of_systems(given: &System, extended: &System) -> Option<Self> {
-        // The dimensions alone are compared.
-        let analyzed = |system| analyze(system, &Options { flatness: false, ..Options::default() }).ok();
-        Self::between(&analyzed(given)?, &analyzed(extended)?)
-    }
-}
-
-impl fmt::Display for RankChange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "What the inputs reach (bracketry analyze), given and extended model")?;
-        let mut row = |what: &str, before: &dyn fmt::Display, after: &dyn fmt::Display| {
-            writeln!(f, "  {what}: {before} → {after}")
-        };
-        let (b, a) = (&self.before, &self.after);
-        row("states", &b.states, &a.states)?;
-        row("accessible directions", &b.accessible_dimension, &a.accessible_dimension)?;
-        row("strongly accessible directions", &b.strongly_accessible_dimension, &a.strongly_accessible_dimension)?;
-        row("  in the mode with the smallest dimension", &b.least_in_a_mode, &a.least_in_a_mode)
-    }
+/// The dimensions of both models in lines.
+pub fn rank_change_text(ranks: &RankChange) -> String {
+    let (b, a) = (&ranks.before, &ranks.after);
+    let row = |what: &str, before: &dyn Display, after: &dyn Display| format!("  {what}: {before} → {after}\n");
+    [
+        "What the inputs reach (bracketry analyze), given and extended model\n".to_owned(),
+        row("states", &b.states, &a.states),
+        row("accessible directions", &b.accessible_dimension, &a.accessible_dimension),
+        row("strongly accessible directions", &b.strongly_accessible_dimension, &a.strongly_accessible_dimension),
+        row("  in the mode with the smallest dimension", &b.least_in_a_mode, &a.least_in_a_mode),
+    ]
+    .concat()
 }

@@ -1,6 +1,7 @@
 //! A diagnosis as text.
 
 use std::fmt::{self, Formatter};
+use std::path::Path;
 
 use bracketry_diagnose::{
     Candidate, Effort, Gain, NamedCause, RefittedParameter, Report, measured, p_value, probability, significant,
@@ -14,18 +15,18 @@ use super::table::{Table, percent, short};
 /// Candidates that the text lists; JSON has them all.
 const LISTED: usize = 8;
 
-/// A report for a reader, as `bracketry diagnose` prints it.
-pub fn text(report: &Report) -> String {
-    struct Text<'a>(&'a Report);
+/// A report for a reader, as `bracketry diagnose` prints it, with the file to which the extended model was written.
+pub fn text(report: &Report, extended_model: Option<&Path>) -> String {
+    struct Text<'a>(&'a Report, Option<&'a Path>);
     impl fmt::Display for Text<'_> {
         fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-            write_report(f, self.0)
+            write_report(f, self.0, self.1)
         }
     }
-    Text(report).to_string()
+    Text(report, extended_model).to_string()
 }
 
-fn write_report(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
+fn write_report(f: &mut Formatter<'_>, report: &Report, extended_model: Option<&Path>) -> fmt::Result {
     writeln!(f, "{}: {}", report.model, report.verdict)?;
     writeln!(f, "  {}", reason(&report.reason))?;
     for cause in &report.causes {
@@ -61,7 +62,7 @@ fn write_report(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
             writeln!(f, "  {}", note_text(note))?;
         }
     }
-    if let Some(path) = &report.extended_model {
+    if let Some(path) = extended_model {
         writeln!(f, "\nExtended model: {}", path.display())?;
     }
     let Effort { fits, linearizations, simulations, steps, rejected, .. } = report.effort;

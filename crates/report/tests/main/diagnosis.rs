@@ -1,5 +1,7 @@
 //! The report as JSON and as text.
 
+use std::path::Path;
+
 use bracketry_diagnose::{
     Candidate, Cause, Closeness, Effort, Evidence, Excess, Formula, Gain, NamedCause, Note, Outcome, Place, Reason,
     RefittedParameter, Regime, Report, Rival, Value, Verdict,
@@ -62,7 +64,6 @@ fn report() -> Report {
             interval: None,
             unit: String::new(),
         }],
-        extended_model: Some("out/extended.toml".into()),
         excess: Some(Excess { refitted: 2.5, extended: Some(1.01), p_value: 1e-20 }),
         candidates: vec![Candidate {
             name: Cause::ViscousFriction,
@@ -115,14 +116,17 @@ fn json_has_the_documented_form() {
         "extended_model": "out/extended.toml",
         "seconds": 3.1
     });
-    assert_contains(&to_value(DiagnosisJson::of(&report())).unwrap(), &expected, "");
+    assert_contains(
+        &to_value(DiagnosisJson::of(&report(), Some(Path::new("out/extended.toml")))).unwrap(),
+        &expected,
+        "",
+    );
 }
 
 #[test]
 fn what_was_not_found_out_is_absent_from_json() {
-    let nothing =
-        Report { verdict: Verdict::NothingFound, causes: Vec::new(), gain: None, extended_model: None, ..report() };
-    let found = to_value(DiagnosisJson::of(&nothing)).unwrap();
+    let nothing = Report { verdict: Verdict::NothingFound, causes: Vec::new(), gain: None, ..report() };
+    let found = to_value(DiagnosisJson::of(&nothing, None)).unwrap();
     assert_eq!(found["verdict"], "nothing_found");
     assert_eq!(found["causes"], json!([]));
     assert!(found.get("gain").is_none() && found.get("extended_model").is_none());
@@ -130,7 +134,7 @@ fn what_was_not_found_out_is_absent_from_json() {
 
 #[test]
 fn text_names_the_cause_its_value_its_rival_and_the_gain() {
-    let text = diagnosis_text(&report());
+    let text = diagnosis_text(&report(), Some(Path::new("out/extended.toml")));
     for part in [
         "slider: cause found",
         "viscous_friction in v: -c*v",

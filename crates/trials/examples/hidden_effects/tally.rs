@@ -36,7 +36,7 @@ impl Row {
                     })
                     .collect();
                 let named = if named.is_empty() { report.verdict.to_string() } else { named.join(" + ") };
-                (Some(score), named, serde_json::to_value(DiagnosisJson::of(&report)).unwrap_or_default())
+                (Some(score), named, serde_json::to_value(DiagnosisJson::of(&report, None)).unwrap_or_default())
             }
             Err(error) => (None, format!("error: {error}"), Value::Null),
         };

@@ -92,7 +92,7 @@ impl SliderTrial {
 /// What a diagnosis says that is given a CSV and the text of a model.
 fn verdict(csv: &Path, model: &str, settings: &Settings) -> Result<Report, Box<dyn Error>> {
     let system = System::parse("slider.toml", model)?;
-    let (record, _) = read_record(csv, &system, &RecordSettings::default())?;
+    let record = read_record(csv, &system, &RecordSettings::default())?;
     Ok(diagnose(&system, &[record], &[], settings, &mut |_| {})?)
 }
 

@@ -7,7 +7,7 @@
 
 use bracketry_symbolic::{Echelon, Expr, Pool, Rational, Residue, Symbol};
 
-use crate::observability::identifiability::local::{Question, SEED, point};
+use crate::observability::identifiability::local_identifiability::{Question, SEED, point};
 use crate::undecided::Undecided;
 
 /// Points at which states vary while the parameters stay.

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::observability::identifiability::groebner::{Basis, NoBasis, Work, distinct_roots};
 use crate::observability::identifiability::jets::{NoEquations, equations};
-use crate::observability::identifiability::local::{Question, SEED, point};
+use crate::observability::identifiability::local_identifiability::{Question, SEED, point};
 use crate::residues::unit_row;
 use crate::undecided::Undecided;
 

@@ -5,6 +5,6 @@ pub(crate) mod combinations;
 pub(crate) mod global;
 pub(crate) mod groebner;
 pub(crate) mod jets;
-pub(crate) mod local;
+pub(crate) mod local_identifiability;
 pub(crate) mod monomial;
 pub(crate) mod report;

@@ -12,7 +12,7 @@ use crate::evidence::Evidence;
 use crate::modes::mode_fields;
 use crate::observability::identifiability::combinations::combinations;
 use crate::observability::identifiability::global::GlobalReason;
-use crate::observability::identifiability::local::{Question, SEED};
+use crate::observability::identifiability::local_identifiability::{Question, SEED};
 use crate::observability::report::with_inputs_as_states;
 use crate::observability::series::{SeriesProgram, UnknownInputs};
 use crate::options::TIME_LIMIT;

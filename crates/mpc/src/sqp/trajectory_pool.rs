@@ -8,14 +8,14 @@ const KEPT: usize = 8;
 
 /// What is no longer needed.
 #[derive(Default)]
-pub(super) struct Spare {
+pub(super) struct TrajectoryPool {
     trajectories: Vec<Trajectory>,
     logs: Vec<Vec<Iteration>>,
     misses: Vec<Vec<f64>>,
     entries: Vec<Vec<(f64, f64)>>,
 }
 
-impl Spare {
+impl TrajectoryPool {
     /// A copy of a trajectory.
     pub(super) fn copy(&mut self, of: &Trajectory) -> Trajectory {
         match self.trajectories.pop() {

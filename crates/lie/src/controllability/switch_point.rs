@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 use crate::algebra::field::{VectorFields, subtract};
 use crate::answer::Answer;
-use crate::controllability::canceled::canceled;
+use crate::controllability::canceled_switching::canceled;
 use crate::controllability::cone::half_space_of_modes;
 use crate::controllability::meeting::{Adjacent, AtSwitchPoint, Ranges, Verdicts, adjacent, all_modes, only_bounded};
 use crate::controllability::point::PointReport;

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::algebra::field::{Field, bracket};
 use crate::budget::check_growth;
 use crate::controllability::linearization::Linearization;
-use crate::controllability::local::Frame;
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::sign::definite;
 use crate::controllability::sussmann::Inputs;
 use crate::evidence::Evidence;

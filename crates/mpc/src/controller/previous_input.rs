@@ -8,7 +8,7 @@ use crate::trajectory::Trajectory;
 
 /// A controller of the dynamics' state around one whose problem has [`previous inputs`](Ocp::previous_inputs): it appends to
 /// every measured state the input decided last, wherever that came from. Inputs of a failure policy keep the limits of the rates.
-pub(crate) struct Remembering {
+pub(crate) struct WithPreviousInput {
     controller: Box<dyn Controller>,
     /// Input decided last.
     last: Vec<f64>,
@@ -20,7 +20,7 @@ pub(crate) struct Remembering {
     plan: Trajectory,
 }
 
-impl Remembering {
+impl WithPreviousInput {
     /// `before` is the input applied before the first sample.
     pub(crate) fn new(controller: Box<dyn Controller>, before: &[f64]) -> Result<Self, MpcError> {
         let ocp = controller.ocp();
@@ -36,7 +36,7 @@ impl Remembering {
     }
 }
 
-impl Controller for Remembering {
+impl Controller for WithPreviousInput {
     forward_to!(self => self.controller;
         prepare, estimate, ocp, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
 
