@@ -12,7 +12,7 @@
 #![allow(clippy::print_stdout)]
 
 use anyhow::Context;
-use bracketry::diagnose::{Record, RecordSettings, Settings, diagnose};
+use bracketry::diagnose::{DiagnosisSettings, Record, RecordSettings, diagnose};
 use bracketry::mpc::{ControlProblem, ControlRun, Plant};
 use bracketry::plate::{PlateMismatch, RecordingSettings, multisine, synthetic_log, target_of};
 use bracketry::plot::{Dash, Drawing, Panel, Role, Series, TimeSeries};
@@ -102,7 +102,7 @@ fn main() -> anyhow::Result<()> {
         let log = synthetic_log(&experiment, start, options.seconds, &effect, &settings, options.seed)?.log;
         let record =
             Record::from_columns(&log.name, log.t.clone(), log.by_name(), &nominal, &RecordSettings::default())?;
-        let mut diagnosis = Settings::default();
+        let mut diagnosis = DiagnosisSettings::default();
         diagnosis.study.window = Some(0.5);
         let report = diagnose(&nominal, &[record], &[], &diagnosis, &mut |_| ())?;
         let causes: Vec<String> = report.causes.iter().map(|c| c.name.to_string()).collect();

@@ -16,7 +16,7 @@
 use anyhow::Context;
 use bracketry::report::diagnosis_text;
 use bracketry_diagnose::{
-    Cause, Record, RecordSettings, Report, Settings, diagnose, read_record, reference_candidates,
+    Cause, DiagnosisSettings, Record, RecordSettings, Report, diagnose, read_record, reference_candidates,
 };
 use bracketry_plate::{
     Experiment, Object, PlateLog, PlateMismatch, RecordingError, RecordingSettings, Shape, multisine, synthetic_log,
@@ -85,7 +85,7 @@ const RENAMED: [(&str, &str); 5] =
     [("plate_X", "X"), ("plate_theta", "theta"), ("x_plate", "x"), ("y_plate", "y"), ("phi_plate", "phi")];
 
 /// What a diagnosis makes of the logs in a folder, one by one.
-fn independent(folder: &Path, system: &System, settings: &Settings, full: bool) -> anyhow::Result<()> {
+fn independent(folder: &Path, system: &System, settings: &DiagnosisSettings, full: bool) -> anyhow::Result<()> {
     let rename = RENAMED.map(|(column, name)| (column.to_owned(), name.to_owned())).to_vec();
     let reading = RecordSettings { hold: Some(Hold::Linear), rename, ..Default::default() };
     let mut paths: Vec<PathBuf> =
@@ -180,7 +180,7 @@ fn main() -> anyhow::Result<()> {
     let options = Options::parse();
     let text = std::fs::read_to_string(&options.model).with_context(|| options.model.display().to_string())?;
     let system = System::parse(&options.model.display().to_string(), &text)?;
-    let mut settings = Settings::default();
+    let mut settings = DiagnosisSettings::default();
     settings.study.window = options.window;
     if let Some(most) = options.max_causes {
         settings.max_causes = most;

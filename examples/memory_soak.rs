@@ -6,7 +6,7 @@
 
 use std::fmt::Write as _;
 
-use bracketry::lie::Options;
+use bracketry::lie::AnalysisOptions;
 use bracketry::plot::{Panel, Series, XyChart};
 use bracketry::system::System;
 
@@ -102,7 +102,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for k in 1..=systems {
         let system = System::parse("random.toml", &model(&mut random))?;
         // Some have no affine form; what was tried must be freed all the same.
-        if let Ok(analysis) = bracketry::analyze(&system, &Options::default()) {
+        if let Ok(analysis) = bracketry::analyze(&system, &AnalysisOptions::default()) {
             decided += usize::from(analysis.report.decided());
         }
         let Some(bytes) = resident() else { return Err("resident memory is told on Linux only".into()) };

@@ -3,14 +3,14 @@
 //! `cargo run --release --example rank_report [MODEL.toml]`
 #![allow(clippy::print_stdout)]
 
-use bracketry::lie::Options;
+use bracketry::lie::AnalysisOptions;
 use bracketry::system::System;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/models/plate_published.toml").to_owned();
     let path = std::env::args().nth(1).unwrap_or(default);
     let system = System::read(&path)?;
-    let analysis = bracketry::analyze(&system, &Options::default())?;
+    let analysis = bracketry::analyze(&system, &AnalysisOptions::default())?;
     print!("{}", bracketry::report::analysis::text(&analysis));
 
     println!("\nfrom the same result, as data:");

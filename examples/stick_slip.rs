@@ -4,7 +4,7 @@
 #![allow(clippy::print_stdout)]
 
 use bracketry::Scenario;
-use bracketry::sim::Settings;
+use bracketry::sim::SimulationSettings;
 use bracketry::system::System;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "#,
     )?;
     let shaken = Scenario::parse("shaken.toml", "duration = 1.0\n[inputs]\na = \"4*sin(2*pi*2*t)\"", &block)?;
-    let run = shaken.run(&block, &Settings::default())?;
+    let run = shaken.run(&block, &SimulationSettings::default())?;
     for interval in run.simulation.trajectory.mode_intervals(0) {
         println!("{:7.4} s to {:7.4} s: {:?}", interval.from, interval.to, interval.mode);
     }

@@ -13,16 +13,16 @@
 //! ```
 
 pub use crate::{System, analyze};
-pub use bracketry_lie::{Analysis, Answer, Options as AnalysisOptions};
+pub use bracketry_lie::{Analysis, AnalysisOptions, Answer};
 pub use bracketry_symbolic::{Expr, Pool};
 
 #[cfg(feature = "report")]
 pub use crate::report;
 #[cfg(feature = "diagnose")]
 pub use bracketry_diagnose::{
-    DiagnoseError, Record, RecordSettings, Report as DiagnosisReport, Settings as DiagnosisSettings, diagnose,
+    DiagnoseError, DiagnosisSettings, Record, RecordSettings, Report as DiagnosisReport, diagnose,
 };
 #[cfg(feature = "control")]
 pub use bracketry_mpc::{ControlError, ControlProblem, Controlled, Plant, control};
 #[cfg(feature = "simulate")]
-pub use bracketry_sim::{Hold, Inputs, Model, Scenario, Settings as SimulationSettings, Simulation, simulate};
+pub use bracketry_sim::{Hold, Inputs, Model, Scenario, Simulation, SimulationSettings, simulate};

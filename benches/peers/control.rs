@@ -1,8 +1,8 @@
 //! Model-predictive control, timed; see `control.py` for the others. Wall-clock seconds, medians over the samples.
 
 use bracketry::mpc::{
-    ClosedLoop, ControlProblem, Convergence, Feedback, Method, Plant, Rti, RtiSettings, RungeKuttaPlant, Step,
-    SymbolicDynamics, Trajectory,
+    ClosedLoop, ControlProblem, Convergence, Feedback, Method, PlannedTrajectory, Plant, Rti, RtiSettings,
+    RungeKuttaPlant, Step, SymbolicDynamics,
 };
 use bracketry::system::System;
 use serde_json::{Value, json};
@@ -43,7 +43,7 @@ fn dynamics(problem: &ControlProblem) -> Box<SymbolicDynamics> {
 }
 
 /// Real-time iteration from `start`, with every eighth program in full.
-fn real_time_iteration(problem: &ControlProblem, start: Trajectory, goal: &[f64]) -> (Vec<Step>, Vec<Value>) {
+fn real_time_iteration(problem: &ControlProblem, start: PlannedTrajectory, goal: &[f64]) -> (Vec<Step>, Vec<Value>) {
     let settings = RtiSettings { smoothing: problem.smoothing.last().copied(), ..RtiSettings::default() };
     let mut rti = Rti::new(dynamics(problem), problem.ocp.clone(), start, settings).expect("a controller");
     let mut model = dynamics(problem);
@@ -54,7 +54,7 @@ fn real_time_iteration(problem: &ControlProblem, start: Trajectory, goal: &[f64]
     for _ in 0..INITIAL_ITERATIONS {
         rti.feedback(&problem.x0).expect("a state of the right length");
     }
-    let rows = |t: &Trajectory| -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    let rows = |t: &PlannedTrajectory| -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
         let steps = t.steps();
         ((0..=steps).map(|k| t.x(k).to_vec()).collect(), (0..steps).map(|k| t.u(k).to_vec()).collect())
     };
@@ -76,7 +76,7 @@ fn real_time_iteration(problem: &ControlProblem, start: Trajectory, goal: &[f64]
 fn pendulum() -> Value {
     let model = System::parse("cart_pole.toml", include_str!("../../models/cart_pole.toml")).expect("a model");
     let mut problem = problem(PENDULUM, &model);
-    let start = Trajectory::constant(problem.ocp.steps, &problem.x0, &[0.0]);
+    let start = PlannedTrajectory::constant(problem.ocp.steps, &problem.x0, &[0.0]);
     let (rti, programs) = real_time_iteration(&problem, start, &[0.0; 4]);
     problem.method = Method::Sqp { convergence: Convergence::default(), first: Feedback::default() };
     let mut plant = RungeKuttaPlant::new(dynamics(&problem), problem.plant_substeps);
@@ -96,7 +96,7 @@ fn plate() -> Value {
     let mut at = dynamics(&problem);
     bracketry::mpc::Dynamics::set_smoothing(at.as_mut(), problem.smoothing[0]);
     let mut roll = RungeKuttaPlant::new(at, 2);
-    let mut start = Trajectory::constant(problem.ocp.steps, &problem.x0, &[0.0, 0.0]);
+    let mut start = PlannedTrajectory::constant(problem.ocp.steps, &problem.x0, &[0.0, 0.0]);
     let mut x = problem.x0.clone();
     for (k, u) in problem.guess.iter().enumerate() {
         roll.step(k as f64 * problem.ocp.dt, &mut x, u, problem.ocp.dt).expect("a smooth model");

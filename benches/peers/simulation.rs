@@ -1,7 +1,7 @@
 //! The plate's experiments, timed; see `simulation.py` for the others.
 
 use bracketry::plate::{AreaContact, AreaSettings, Experiment, Friction, Object, Shape, Terms, published, reduced};
-use bracketry::sim::{Inputs, Model, Settings, Stepper};
+use bracketry::sim::{Inputs, Model, SimulationSettings, Stepper};
 use bracketry::system::System;
 use serde_json::{Value, json};
 
@@ -27,7 +27,7 @@ fn by_events(system: &System) -> Value {
     let runs: Vec<Value> = HALF_DIGITS
         .map(|half_digits| {
             let rtol = 10f64.powf(-0.5 * f64::from(half_digits));
-            let settings = Settings::default().with_tolerance(rtol, 1e-2 * rtol);
+            let settings = SimulationSettings::default().with_tolerance(rtol, 1e-2 * rtol);
             let (seconds, (states, statistics)) = median(RUNS, || {
                 let mut stepper = Stepper::new(model.clone(), 0.0, &START, &settings).expect("a start");
                 let (trajectory, outcome) = stepper.record(DURATION).expect("a time span");
@@ -61,7 +61,7 @@ fn creep() -> f64 {
     let system = published(&Shape::REFERENCE_DISK, 0.3).expect("a model");
     let inputs = Inputs::new().expression("X", "0").expression("theta", "10*pi/180");
     let model = Model::new(&system, &inputs).expect("inputs that fit");
-    let mut stepper = Stepper::new(model, 0.0, &[0.0; 6], &Settings::default()).expect("a start");
+    let mut stepper = Stepper::new(model, 0.0, &[0.0; 6], &SimulationSettings::default()).expect("a start");
     assert!(stepper.advance(60.0).is_finished());
     stepper.state()[0].hypot(stepper.state()[1])
 }

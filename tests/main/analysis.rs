@@ -4,7 +4,7 @@ use bracketry::Analysis;
 use bracketry::plate::{Shape, published};
 
 fn analysis(shape: &Shape) -> Analysis {
-    bracketry::analyze(&published(shape, 0.3).unwrap(), &bracketry::lie::Options::default()).unwrap()
+    bracketry::analyze(&published(shape, 0.3).unwrap(), &bracketry::lie::AnalysisOptions::default()).unwrap()
 }
 
 #[test]
@@ -67,7 +67,7 @@ fn a_one_sided_input_is_not_called_controllable() {
     // v' = u² ≥ 0: the affine system v' = v1 is controllable, the original one is not.
     let text = "states = ['x', 'v']\ninputs = ['u']\n[dynamics]\nx = 'v'\nv = 'u^2'\n[point]\nu = 0";
     let system = bracketry::system::System::parse("m", text).unwrap();
-    let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+    let a = bracketry::analyze(&system, &bracketry::lie::AnalysisOptions::default()).unwrap();
     assert_eq!(a.affinization.input_change[0].range().as_deref(), Some("v1 ≥ 0"));
     let point = a.report.at_point.unwrap();
     let point = point.known().unwrap();
@@ -76,7 +76,7 @@ fn a_one_sided_input_is_not_called_controllable() {
     assert_eq!(point.stabilizable.as_ref().unwrap().known(), Some(&false));
     // Around u = 1 the same input goes both ways, but only u = 0 holds the state, at the end of the range.
     let system = bracketry::system::System::parse("m", &text.replace("u = 0", "u = 1")).unwrap();
-    let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+    let a = bracketry::analyze(&system, &bracketry::lie::AnalysisOptions::default()).unwrap();
     assert_ne!(a.report.at_point.unwrap().known().unwrap().stlc.verdict, bracketry::lie::Verdict::Yes);
 }
 
@@ -98,7 +98,7 @@ fn the_rounds_show_what_one_mode_never_moves_and_switching_does() {
 fn a_state_without_any_input_is_influenced_by_none() {
     let text = "states = ['a', 'b']\ninputs = ['u']\n[dynamics]\na = 'u'\nb = '-b'";
     let system = bracketry::system::System::parse("m", text).unwrap();
-    let tables = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap().report.reach;
+    let tables = bracketry::analyze(&system, &bracketry::lie::AnalysisOptions::default()).unwrap().report.reach;
     let last: Vec<_> =
         tables[0].rows.iter().map(|r| (r.function.to_string(), r.influence.last().copied().unwrap())).collect();
     assert_eq!(last, [("a".into(), bracketry::Influence::Free), ("b".into(), bracketry::Influence::None)]);
@@ -108,7 +108,7 @@ fn a_state_without_any_input_is_influenced_by_none() {
 fn integrators_in_front_of_inputs_are_known_states() {
     let text = "states = ['x']\ninputs = ['u']\n[parameters]\na = 1\nb = 2\n[dynamics]\nx = '-a*x + sin(b*u) + u^3'\n[outputs]\ny = 'x'";
     let system = bracketry::system::System::parse("m", text).unwrap();
-    let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+    let a = bracketry::analyze(&system, &bracketry::lie::AnalysisOptions::default()).unwrap();
     let o = a.report.observability.unwrap();
     assert_eq!((o.rank.known(), o.unobservable.len(), o.rank_with_parameters), (Some(&1), 0, Some(3)));
     assert!(o.identifiable.unwrap().0.iter().all(|p| p.1));
@@ -121,7 +121,7 @@ fn the_affine_form_reaches_as_much_as_the_original_with_constant_inputs() {
     assert_eq!(family.agrees, bracketry::lie::Answer::Known(true));
     assert!(bracketry::report::analysis::text(&a).contains("agrees"));
     // Affine as it stands: nothing to compare.
-    let a = bracketry::analyze(&a.affinization.system, &bracketry::lie::Options::default()).unwrap();
+    let a = bracketry::analyze(&a.affinization.system, &bracketry::lie::AnalysisOptions::default()).unwrap();
     assert!(a.family.is_none());
 }
 
@@ -130,7 +130,7 @@ fn one_sided_inputs_that_push_to_one_side_do_not_control() {
     let verdict = |dynamics: &str| {
         let text = format!("states = ['x', 'y']\ninputs = ['a', 'b', 'c']\n[dynamics]\n{dynamics}\n[point]\n");
         let system = bracketry::system::System::parse("m", &text).unwrap();
-        let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+        let a = bracketry::analyze(&system, &bracketry::lie::AnalysisOptions::default()).unwrap();
         a.report.at_point.unwrap().known().unwrap().stlc.verdict
     };
     // Three cables that can only pull: 120° apart they do control, all to one side they do not.
@@ -146,7 +146,7 @@ fn inputs_that_hold_the_point_must_lie_in_their_range() {
     let verdict = |rate: &str, u: &str| {
         let text = format!("states = ['x']\ninputs = ['u']\n[dynamics]\nx = '{rate}'\n[point]\nu = {u}");
         let system = bracketry::system::System::parse("m", &text).unwrap();
-        let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+        let a = bracketry::analyze(&system, &bracketry::lie::AnalysisOptions::default()).unwrap();
         a.report.at_point.unwrap().known().unwrap().stlc.verdict
     };
     // x' = sin(u) rests inside the range, x' = sin(u) − 1 at its end; x' = sin(u) − 2 never does.

@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use bracketry::diagnose::{Cause, Record, RecordSettings, Report, Settings as DiagnoseSettings, Verdict, diagnose};
-use bracketry::lie::{Answer, Options};
-use bracketry::sim::{Hold, Inputs, Model, Samples, Settings, Trajectory, simulate};
+use bracketry::diagnose::{Cause, DiagnosisSettings, Record, RecordSettings, Report, Verdict, diagnose};
+use bracketry::lie::{AnalysisOptions, Answer};
+use bracketry::sim::{Hold, Inputs, Model, Samples, SimulationSettings, Trajectory, simulate};
 use bracketry::system::{Affinization, Method, System};
 use rand::rngs::StdRng;
 use rand::seq::IndexedRandom;
@@ -126,7 +126,8 @@ impl Excitation {
 }
 
 fn run(system: &System, inputs: &Inputs, x0: &[f64]) -> Trajectory {
-    let done = simulate(Model::new(system, inputs).unwrap(), 0.0, x0, DURATION, &Settings::default()).unwrap();
+    let done =
+        simulate(Model::new(system, inputs).unwrap(), 0.0, x0, DURATION, &SimulationSettings::default()).unwrap();
     assert!(done.outcome.is_finished(), "{:?}", done.outcome);
     done.trajectory
 }
@@ -211,7 +212,7 @@ fn record(plant: &System, u: &Excitation, bodies: usize, random: &mut StdRng) ->
 }
 
 fn diagnosed(system: &System, record: Record) -> Report {
-    diagnose(system, &[record], &[], &DiagnoseSettings::default(), &mut |_| {}).unwrap()
+    diagnose(system, &[record], &[], &DiagnosisSettings::default(), &mut |_| {}).unwrap()
 }
 
 /// Whether the report says viscous friction, or cannot tell it from what it says, or names nothing.
@@ -239,7 +240,7 @@ fn a_random_chain_goes_all_the_way() {
         let u = Excitation::draw(random);
 
         // Pushed at one end, a chain of springs can be moved everywhere, and nowhere with fewer states than it has.
-        let analysis = bracketry::analyze(&system, &Options::default()).unwrap();
+        let analysis = bracketry::analyze(&system, &AnalysisOptions::default()).unwrap();
         for mode in &analysis.report.modes {
             assert_eq!(mode.dimensions.strongly_accessible_dimension, Answer::Known(analysis.states), "{}", chain.text);
         }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::sync::OnceLock;
 
 use crate::common::read;
-use bracketry::lie::Options;
+use bracketry::lie::AnalysisOptions;
 use serde_json::Value;
 
 /// What the literature says of a system; `None` where it says nothing that `analyze` answers.
@@ -280,7 +280,7 @@ fn analyses() -> &'static [Value] {
     static ALL: OnceLock<Vec<Value>> = OnceLock::new();
     ALL.get_or_init(|| {
         let analyzed = |k: &Known| {
-            let analysis = bracketry::analyze(&read(k.file), &Options::default()).unwrap();
+            let analysis = bracketry::analyze(&read(k.file), &AnalysisOptions::default()).unwrap();
             serde_json::to_value(bracketry::report::analysis::json(&analysis)).unwrap()
         };
         let half = SYSTEMS.len() / 2;

@@ -12,7 +12,7 @@ const MASS: &str = "states = ['x', 'v']\ninputs = ['F']\n[dynamics]\nx = 'v'\nv 
 fn an_analysis_says_that_it_is_about_the_inputs_as_they_arrive() {
     let delayed = System::parse("mass.toml", &format!("{MASS}[delays]\nF = 0.25")).unwrap();
     let (with, without) = [delayed, System::parse("mass.toml", MASS).unwrap()]
-        .map(|s| analyze(&s, &bracketry::lie::Options::default()).unwrap())
+        .map(|s| analyze(&s, &bracketry::lie::AnalysisOptions::default()).unwrap())
         .into();
     assert_eq!(with.input_delays["F"], 0.25);
     let (said, silent) = (report::summary(&with), report::summary(&without));

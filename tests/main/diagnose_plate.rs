@@ -3,7 +3,7 @@
 //! Fixed seeds and short logs; `cargo run --release --example diagnose_plate` draws as many effects as one likes.
 
 use bracketry::plate::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
-use bracketry_diagnose::{Cause, Record, RecordSettings, Settings, Study, StudySettings, Verdict, diagnose};
+use bracketry_diagnose::{Cause, DiagnosisSettings, Record, RecordSettings, Study, StudySettings, Verdict, diagnose};
 use bracketry_system::System;
 
 fn disk() -> System {
@@ -42,7 +42,7 @@ fn a_disk_with_nothing_hidden_leaves_white_noise_and_its_friction() {
 fn friction_that_is_off_by_a_tenth_is_the_parameter_that_is_wrong() {
     let effect = PlateMismatch::draw_kind("friction", 2).unwrap();
     let PlateMismatch::Friction(factor) = effect else { unreachable!("the kind was asked for") };
-    let settings = Settings { study: half_seconds(), ..Settings::default() };
+    let settings = DiagnosisSettings { study: half_seconds(), ..DiagnosisSettings::default() };
     let report = diagnose(&disk(), &[record(&effect, 3.0, 2)], &[], &settings, &mut |_| ()).unwrap();
     assert_eq!(report.verdict, Verdict::CauseFound);
     assert_eq!(report.causes.iter().map(|c| c.name).collect::<Vec<_>>(), [Cause::ParameterError]);

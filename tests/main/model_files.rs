@@ -32,8 +32,10 @@ fn every_file_is_read_and_every_scenario_runs_to_its_end() {
             ControlProblem::read(&path).unwrap();
         } else if let Some(model) = name.strip_suffix("_scenario.toml") {
             let system = System::read(dir.join(format!("{model}.toml"))).unwrap();
-            let run =
-                Scenario::read(&path, &system).unwrap().run(&system, &bracketry::sim::Settings::default()).unwrap();
+            let run = Scenario::read(&path, &system)
+                .unwrap()
+                .run(&system, &bracketry::sim::SimulationSettings::default())
+                .unwrap();
             assert!(matches!(run.simulation.outcome, Outcome::Finished), "{name}: {:?}", run.simulation.outcome);
         } else {
             System::read_accepting(&path, Accepted { discrete: true, algebraic: true }).unwrap();

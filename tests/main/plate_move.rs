@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use bracketry::mpc::ControlProblem;
 use bracketry::plate::{Arrival, Shape, plate_move};
-use bracketry::sim::Mode;
+use bracketry::sim::FrictionMode;
 use bracketry::{Controlled, control};
 
 const MU: f64 = 0.3;
@@ -76,7 +76,7 @@ fn the_object_comes_to_rest_by_sticking_in_both_directions() {
     let (_, controlled) = reference();
     let end = controlled.recording.trajectory.end();
     for i in 0..2 {
-        assert_eq!(controlled.recording.trajectory.mode(i, end), Some(Mode::Sticking));
+        assert_eq!(controlled.recording.trajectory.mode(i, end), Some(FrictionMode::Sticking));
     }
 }
 

@@ -7,7 +7,7 @@ use bracketry::system::System;
 fn analysis(states: &str, inputs: &str, dynamics: &str, rest: &str) -> Analysis {
     let list = |names: &str| names.split(' ').map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", ");
     let text = format!("states = [{}]\ninputs = [{}]\n[dynamics]\n{dynamics}\n{rest}", list(states), list(inputs));
-    bracketry::analyze(&System::parse("m", &text).unwrap(), &bracketry::lie::Options::default()).unwrap()
+    bracketry::analyze(&System::parse("m", &text).unwrap(), &bracketry::lie::AnalysisOptions::default()).unwrap()
 }
 
 fn at_point(a: &Analysis) -> &PointReport {
@@ -93,7 +93,7 @@ fn the_range_of_a_new_input_goes_into_the_affine_model_file() {
     assert_eq!(again.input_ranges.len(), 1, "{written}");
     assert_eq!((&again.input_ranges[0].min, &again.input_ranges[0].max), (&Some(0.into()), &None), "{written}");
     let verdict = |s: &System| {
-        let a = bracketry::analyze(s, &bracketry::lie::Options::default()).unwrap();
+        let a = bracketry::analyze(s, &bracketry::lie::AnalysisOptions::default()).unwrap();
         at_point(&a).stlc.verdict
     };
     assert_eq!(verdict(&again), Verdict::No, "{written}");
@@ -121,7 +121,8 @@ fn an_input_at_the_end_of_its_range_stabilizes_nothing() {
         let text = format!(
             "states = ['x', 'y']\ninputs = ['u', 'w']\n[ranges]\nu = {{ min = 0 }}\n[dynamics]\nx = '{rate}'\ny = 'w'\n[point]"
         );
-        let a = bracketry::analyze(&System::parse("m", &text).unwrap(), &bracketry::lie::Options::default()).unwrap();
+        let a = bracketry::analyze(&System::parse("m", &text).unwrap(), &bracketry::lie::AnalysisOptions::default())
+            .unwrap();
         let p = at_point(&a);
         assert_ne!(p.stlc.verdict, Verdict::Yes, "{rate}");
         assert_ne!(p.stabilizable, Some(Answer::Known(true)), "{rate}");

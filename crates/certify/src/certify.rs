@@ -11,7 +11,7 @@ use crate::linearization::eigenvalues;
 use crate::lyapunov::global;
 use crate::model::{PolynomialModel, function};
 use crate::passivity::storage;
-use crate::reason::Reason;
+use crate::reason::CertificateReason;
 use crate::region::region;
 use crate::report::{Certification, Conserved, Finding, Proof};
 use crate::semidefinite::Limit;
@@ -31,7 +31,7 @@ pub enum Find {
 
 /// Choices of [`certify`].
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct CertifyOptions {
     /// What is sought.
     pub find: Vec<Find>,
     /// Largest degree of the functions: 2 or 4.
@@ -42,9 +42,9 @@ pub struct Options {
     pub stop: StopFlag,
 }
 
-impl Default for Options {
+impl Default for CertifyOptions {
     fn default() -> Self {
-        Options {
+        CertifyOptions {
             find: vec![Find::Conserved, Find::Lyapunov, Find::Region, Find::Passivity],
             degree: 4,
             time_limit: Some(Duration::from_mins(2)),
@@ -65,10 +65,10 @@ pub struct DegreeError {
 /// point. What is found is verified in exact arithmetic ([`Certificate::verify`]).
 ///
 /// ```
-/// use bracketry_certify::{Conclusion, Options, certify};
+/// use bracketry_certify::{Conclusion, CertifyOptions, certify};
 /// use bracketry_system::System;
 /// let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u - x - x^3 - v' }\noutputs = { y = 'v' }";
-/// let found = certify(&System::parse("spring", text).unwrap(), &Options::default()).unwrap();
+/// let found = certify(&System::parse("spring", text).unwrap(), &CertifyOptions::default()).unwrap();
 /// let lyapunov = found.lyapunov.as_ref().and_then(|f| f.proof()).unwrap();
 /// assert_eq!(lyapunov.conclusion, Conclusion::GloballyAsymptoticallyStable);
 /// assert_eq!(lyapunov.certificate.verify(), Ok(lyapunov.conclusion));
@@ -76,7 +76,7 @@ pub struct DegreeError {
 ///
 /// # Errors
 /// [`DegreeError`] for another degree than 2 or 4.
-pub fn certify(system: &System, options: &Options) -> Result<Certification, DegreeError> {
+pub fn certify(system: &System, options: &CertifyOptions) -> Result<Certification, DegreeError> {
     if ![2, 4].contains(&options.degree) {
         return Err(DegreeError { degree: options.degree });
     }
@@ -101,7 +101,7 @@ pub fn certify(system: &System, options: &Options) -> Result<Certification, Degr
             let names = model.states.iter().chain(&model.inputs).cloned();
             found.point = names.zip(model.point.iter().cloned()).collect();
             found.eigenvalues = Some(eigenvalues(&model));
-            let finding = |result: Result<Certificate, Reason>| finding(&model, result);
+            let finding = |result: Result<Certificate, CertificateReason>| finding(&model, result);
             if wanted(Find::Conserved) {
                 let list = conserved(&model, options.degree, &limit);
                 let polynomials = list.generators.into_iter().filter_map(|c| finding(Ok(c)).proof().cloned()).collect();
@@ -144,12 +144,12 @@ fn ignored_ranges(system: &System) -> Vec<String> {
 }
 
 /// The exact check once more, on what is handed out.
-fn finding(model: &PolynomialModel, result: Result<Certificate, Reason>) -> Finding {
+fn finding(model: &PolynomialModel, result: Result<Certificate, CertificateReason>) -> Finding {
     let certificate = match result {
         Ok(certificate) => certificate,
         Err(reason) => return Finding::NotProved(reason),
     };
-    let Ok(conclusion) = certificate.verify() else { return Finding::NotProved(Reason::NotConfirmed) };
+    let Ok(conclusion) = certificate.verify() else { return Finding::NotProved(CertificateReason::NotConfirmed) };
     let (p, level): (_, Option<Rational>) = match &certificate.claim {
         Claim::Conserved { function } | Claim::Lyapunov { function, .. } => (function, None),
         Claim::Region { function, level, .. } => (function, Some(level.clone())),

@@ -4,13 +4,13 @@ use bracketry_system::System;
 
 use crate::certificate::{Certificate, Claim, Conclusion, Flaw};
 use crate::model::PolynomialModel;
-use crate::reason::Reason;
+use crate::reason::CertificateReason;
 
 /// Why a certificate proves nothing of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckError {
     /// The model has no polynomial form at its point.
-    Model(Reason),
+    Model(CertificateReason),
     /// The certificate is about other equations.
     OtherModel,
     /// The certificate proves nothing.

@@ -25,10 +25,10 @@ mod series;
 mod sum_of_squares;
 
 pub use certificate::{Certificate, Claim, Conclusion, Flaw};
-pub use certify::{DegreeError, Find, Options, certify};
+pub use certify::{CertifyOptions, DegreeError, Find, certify};
 pub use check::{CheckError, check};
 pub use gram::Gram;
 pub use model::{FeedbackError, with_feedback};
 pub use portrait::{Portrait, PortraitError, portrait};
-pub use reason::Reason;
+pub use reason::CertificateReason;
 pub use report::{Certification, Conserved, Finding, Proof};

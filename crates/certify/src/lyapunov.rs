@@ -7,7 +7,7 @@ use crate::certificate::{Certificate, Claim, Conclusion};
 use crate::linearization::{eigenvalues, lengths, lyapunov_of, negative};
 use crate::model::PolynomialModel;
 use crate::monomials::{Monomial, degree, monomials};
-use crate::reason::Reason;
+use crate::reason::CertificateReason;
 use crate::semidefinite::Limit;
 use crate::sum_of_squares::program::{AffinePolynomial, Constraint, Margin, Program, Unsolved};
 
@@ -43,10 +43,10 @@ pub(crate) fn sum_of_squares(n: usize, p: AffinePolynomial) -> Constraint {
 pub(crate) const MAX_SUBSETS_OF: usize = 4;
 
 /// A Lyapunov function of degree at most `largest` on the whole space.
-pub(crate) fn global(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, Reason> {
+pub(crate) fn global(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, CertificateReason> {
     let [_, on_axis, right] = eigenvalues(model);
     if right > 0 {
-        return Err(Reason::Unstable { eigenvalues: right });
+        return Err(CertificateReason::Unstable { eigenvalues: right });
     }
     let n = model.dimension();
     let powers = lyapunov_of(model).map_or_else(|| vec![0; n], |p| lengths(&p, 1.0));
@@ -57,11 +57,11 @@ pub(crate) fn global(model: &PolynomialModel, largest: u32, limit: &Limit) -> Re
         match search.with(&template, |_| true) {
             Ok((certificate, Conclusion::GloballyAsymptoticallyStable)) => return Ok(certificate),
             Ok((certificate, _)) => stable = stable.or(Some(certificate)),
-            Err(Unsolved::OutOfTime) => return stable.ok_or(Reason::OutOfTime),
+            Err(Unsolved::OutOfTime) => return stable.ok_or(CertificateReason::OutOfTime),
             Err(why) => {
                 // The last word is that of the richest template that could be decided.
                 if why != Unsolved::TooLarge || reason.is_none() {
-                    reason = Some(Reason::of(why, largest));
+                    reason = Some(CertificateReason::of(why, largest));
                 }
             }
         }
@@ -70,7 +70,7 @@ pub(crate) fn global(model: &PolynomialModel, largest: u32, limit: &Limit) -> Re
     if stable.is_none() && n <= MAX_SUBSETS_OF && (on_axis > 0 || model.degree() > 1) {
         stable = search.semidefinite(largest);
     }
-    stable.ok_or(reason.unwrap_or(Reason::NotFound { degree: largest }))
+    stable.ok_or(reason.unwrap_or(CertificateReason::NotFound { degree: largest }))
 }
 
 struct Search<'a> {

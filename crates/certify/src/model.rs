@@ -5,7 +5,7 @@ use bracketry_symbolic::{Expr, Function, Names, ParseError, Pool, Rational, Symb
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
-use crate::reason::Reason;
+use crate::reason::CertificateReason;
 
 /// x' = f(x) + Σ u_j g_j(x), y = h(x), in deviations from an equilibrium, with rational coefficients.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,14 +140,14 @@ pub fn with_feedback(system: &System, feedback: &[String]) -> Result<System, Fee
 
 impl PolynomialModel {
     /// The model at its point; the reason where it is not polynomial, or the point no equilibrium.
-    pub(crate) fn new(original: &System) -> Result<Self, Reason> {
+    pub(crate) fn new(original: &System) -> Result<Self, CertificateReason> {
         let mut system = original.clone();
         if let Some(d) = system.input_derivatives.first() {
             let input = system.symbol_name(system.inputs[d.input]).to_owned();
-            return Err(Reason::InputDerivative { input });
+            return Err(CertificateReason::InputDerivative { input });
         }
         if let Some(d) = system.input_delays.first() {
-            return Err(Reason::InputDelay { input: system.symbol_name(d.input).to_owned() });
+            return Err(CertificateReason::InputDelay { input: system.symbol_name(d.input).to_owned() });
         }
         let variables: Vec<Symbol> = system.states.iter().chain(&system.inputs).copied().collect();
         let point = exact_point(&mut system, &variables)?;
@@ -165,10 +165,13 @@ impl PolynomialModel {
         let mut fields = Some(vec![Vec::with_capacity(n); inputs.len()]);
         for (name, e) in names.iter().zip(shifted) {
             let p = MultivariatePolynomial::of(&mut system.pool, e, &variables)
-                .ok_or_else(|| Reason::NotPolynomial { of: name.clone() })?;
+                .ok_or_else(|| CertificateReason::NotPolynomial { of: name.clone() })?;
             let rest = p.coefficient(&vec![0; variables.len()]);
             if rest != Rational::ZERO {
-                return Err(Reason::NotEquilibrium { state: name.clone(), derivative: rest.to_f64().value() });
+                return Err(CertificateReason::NotEquilibrium {
+                    state: name.clone(),
+                    derivative: rest.to_f64().value(),
+                });
             }
             let (free, by_input) = split(&p, n, inputs.len());
             drift.push(free);
@@ -242,7 +245,7 @@ fn split(
 /// Longest denominator of a coordinate, in digits: longer ones are results of rounding.
 const MAX_DIGITS: usize = 30;
 
-fn exact_point(system: &mut System, variables: &[Symbol]) -> Result<Vec<Rational>, Reason> {
+fn exact_point(system: &mut System, variables: &[Symbol]) -> Result<Vec<Rational>, CertificateReason> {
     let Some(point) = system.point.clone() else { return Ok(vec![Rational::ZERO; variables.len()]) };
     let values: Vec<Expr> = point.states.iter().chain(&point.inputs).copied().collect();
     let values = system.with_values(&values);
@@ -252,7 +255,7 @@ fn exact_point(system: &mut System, variables: &[Symbol]) -> Result<Vec<Rational
         .map(|(&s, e)| {
             let e = system.pool.simplify(e);
             let value = system.pool.number(e).filter(|q| q.denominator().to_string().len() <= MAX_DIGITS).cloned();
-            value.ok_or_else(|| Reason::IrrationalPoint { name: system.symbol_name(s).to_owned() })
+            value.ok_or_else(|| CertificateReason::IrrationalPoint { name: system.symbol_name(s).to_owned() })
         })
         .collect()
 }

@@ -8,22 +8,22 @@ use crate::linearization::negative;
 use crate::lyapunov::{MAX_SUBSETS_OF, is_inside, proper_subsets, sum_of_squares, unknown};
 use crate::model::{PolynomialModel, rate};
 use crate::monomials::monomials;
-use crate::reason::Reason;
+use crate::reason::CertificateReason;
 use crate::semidefinite::Limit;
 use crate::sum_of_squares::program::{AffinePolynomial, Program, Unsolved};
 
 /// A storage function of degree at most `largest` for the inputs and outputs in their order: S ≥ 0, ∇S·f ≤ 0, ∇S·g = h (Hill and
 /// Moylan, IEEE Trans. Autom. Control 21 (1976) 708–711).
-pub(crate) fn storage(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, Reason> {
+pub(crate) fn storage(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, CertificateReason> {
     let (m, p) = (model.inputs.len(), model.output_names.len());
     if m == 0 || m != p {
-        return Err(Reason::NoPorts { inputs: m, outputs: p });
+        return Err(CertificateReason::NoPorts { inputs: m, outputs: p });
     }
-    let fields = model.input_fields.as_ref().ok_or(Reason::NotAffine)?;
-    let outputs = model.outputs.as_ref().ok_or(Reason::OutputForm)?;
+    let fields = model.input_fields.as_ref().ok_or(CertificateReason::NotAffine)?;
+    let outputs = model.outputs.as_ref().ok_or(CertificateReason::OutputForm)?;
     let search = Search { model, fields, outputs, limit };
     let n = model.dimension();
-    let mut reason = Reason::NotFound { degree: largest };
+    let mut reason = CertificateReason::NotFound { degree: largest };
     for d in (2..=largest).step_by(2) {
         let mut decided = None;
         // All states first; where the rate vanishes with some of them, its Gram matrix in all has no margin.
@@ -40,7 +40,7 @@ pub(crate) fn storage(model: &PolynomialModel, largest: u32, limit: &Limit) -> R
                 break;
             }
         }
-        reason = decided.map_or(reason, |why| Reason::of(why, d));
+        reason = decided.map_or(reason, |why| CertificateReason::of(why, d));
     }
     Err(reason)
 }

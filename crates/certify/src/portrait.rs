@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use bracketry_sim::{ExactPlant, PlantError, Settings};
+use bracketry_sim::{ExactPlant, PlantError, SimulationSettings};
 use bracketry_system::System;
 
 use crate::certificate::Claim;
@@ -111,7 +111,7 @@ pub fn portrait(system: &System, proof: &Proof, axes: [usize; 2]) -> Result<Port
         -plane.rate.at(&x) / plane.value.at(&x)
     });
     let slowest = decay.fold(f64::INFINITY, f64::min).max(1e-6);
-    let plant = ExactPlant::new(system, &at, &Settings::default())?;
+    let plant = ExactPlant::new(system, &at, &SimulationSettings::default())?;
     let mut run = Run { plant, inputs, piece: TIME / slowest / PIECES as f64, plane: &plane };
     let mut boundary = Vec::new();
     let end = Instant::now() + SEARCH;

@@ -7,7 +7,7 @@ use crate::sum_of_squares::program::Unsolved;
 /// Why there is no certificate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Reason {
+pub enum CertificateReason {
     /// The equations use a derivative of an input.
     InputDerivative {
         /// The input.
@@ -71,14 +71,14 @@ pub enum Reason {
     OutputForm,
 }
 
-impl Reason {
+impl CertificateReason {
     pub(crate) fn of(unsolved: Unsolved, degree: u32) -> Self {
         match unsolved {
-            Unsolved::Contradiction => Reason::Excluded { degree },
-            Unsolved::NotFeasible => Reason::NotFound { degree },
-            Unsolved::TooLarge => Reason::TooLarge,
-            Unsolved::NotRounded => Reason::NotConfirmed,
-            Unsolved::OutOfTime => Reason::OutOfTime,
+            Unsolved::Contradiction => CertificateReason::Excluded { degree },
+            Unsolved::NotFeasible => CertificateReason::NotFound { degree },
+            Unsolved::TooLarge => CertificateReason::TooLarge,
+            Unsolved::NotRounded => CertificateReason::NotConfirmed,
+            Unsolved::OutOfTime => CertificateReason::OutOfTime,
         }
     }
 }

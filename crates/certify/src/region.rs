@@ -5,7 +5,7 @@ use crate::levels::{Levels, first_rise, size};
 use crate::linearization::{eigenvalues, lengths, lyapunov_of, quadratic};
 use crate::lyapunov::global;
 use crate::model::PolynomialModel;
-use crate::reason::Reason;
+use crate::reason::CertificateReason;
 use crate::semidefinite::Limit;
 use crate::series::truncated;
 
@@ -22,16 +22,16 @@ const MAX_STATES: usize = 3;
 /// whichever set is the largest.
 ///
 /// Where no rise of V is found, a function of degree at most `largest` on the whole space is sought first.
-pub(crate) fn region(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, Reason> {
+pub(crate) fn region(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, CertificateReason> {
     let [_, on_axis, right] = eigenvalues(model);
     if right > 0 {
-        return Err(Reason::Unstable { eigenvalues: right });
+        return Err(CertificateReason::Unstable { eigenvalues: right });
     }
     if on_axis > 0 {
-        return Err(Reason::Critical);
+        return Err(CertificateReason::Critical);
     }
-    let p = lyapunov_of(model).ok_or(Reason::TooLarge)?;
-    let v = quadratic(&p).ok_or(Reason::NotConfirmed)?;
+    let p = lyapunov_of(model).ok_or(CertificateReason::TooLarge)?;
+    let v = quadratic(&p).ok_or(CertificateReason::NotConfirmed)?;
     let rise = first_rise(model, &v);
     if rise.is_none()
         && let Ok(certificate) = global(model, largest, limit)
@@ -42,7 +42,7 @@ pub(crate) fn region(model: &PolynomialModel, largest: u32, limit: &Limit) -> Re
     let above = rise.unwrap_or(LARGEST);
     let powers = lengths(&p, above);
     let levels = Levels { model, v: &v, limit, powers: powers.clone() };
-    let first = levels.largest(above).map_err(|why| Reason::of(why, 2))?;
+    let first = levels.largest(above).map_err(|why| CertificateReason::of(why, 2))?;
     let mut best = (size(&first), first);
     for factor in SERIES.iter().filter(|_| largest > 2 && model.dimension() <= MAX_STATES) {
         let certificate = truncated(model, &p, factor / above, largest).and_then(|v| {

@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Function, Rational};
 
 use crate::certificate::{Certificate, Conclusion};
-use crate::reason::Reason;
+use crate::reason::CertificateReason;
 
 /// A certificate that was verified exactly, with its functions in the names of the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +23,8 @@ pub struct Proof {
 pub enum Finding {
     /// Proved.
     Proved(Box<Proof>),
-    /// Not proved, for this reason; only [`Reason::Unstable`] is a proof of the contrary.
-    NotProved(Reason),
+    /// Not proved, for this reason; only [`CertificateReason::Unstable`] is a proof of the contrary.
+    NotProved(CertificateReason),
 }
 
 impl Finding {
@@ -58,7 +58,7 @@ pub struct Certification {
     /// Inputs with a feedback whose ranges are not respected: what is proved holds where the feedback stays within them.
     pub ignored_ranges: Vec<String>,
     /// Why the model has no polynomial form; then only conserved functions are sought.
-    pub not_polynomial: Option<Reason>,
+    pub not_polynomial: Option<CertificateReason>,
     /// Eigenvalues of the linearization with negative, zero, and positive real part, exactly.
     pub eigenvalues: Option<[usize; 3]>,
     /// Functions that are constant along all motions.

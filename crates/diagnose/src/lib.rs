@@ -4,7 +4,7 @@
 //! measurement and simulation is put against a library of [`Effect`]s, each a change of the model with parameters of its own.
 //!
 //! ```
-//! use bracketry_diagnose::{Cause, Record, RecordSettings, Settings, diagnose};
+//! use bracketry_diagnose::{Cause, Record, RecordSettings, DiagnosisSettings, diagnose};
 //! use bracketry_system::System;
 //! // The model of a cart knows no friction; the cart has some: v' = u − 0.8 v.
 //! let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u' }";
@@ -22,7 +22,7 @@
 //! let [t, x, v, u] = columns;
 //! let columns = [("x", x), ("v", v), ("u", u)].map(|(name, values)| (name.to_owned(), values)).into();
 //! let record = Record::from_columns("run 1", t, columns, &model, &RecordSettings::default()).unwrap();
-//! let report = diagnose(&model, &[record], &[], &Settings::default(), &mut |_| ()).unwrap();
+//! let report = diagnose(&model, &[record], &[], &DiagnosisSettings::default(), &mut |_| ()).unwrap();
 //! assert_eq!(report.causes[0].name, Cause::ViscousFriction);
 //! ```
 
@@ -56,14 +56,14 @@ pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_nois
 pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{
     Candidate, Caveat, Closeness, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note, OtherHold, Outcome,
-    Place, Reason, RefittedParameter, Regime, Repetition, Report, Rescaling, ResidualAcceleration, Rival, ScaledColumn,
-    Value, Verdict,
+    Place, RefittedParameter, Regime, Repetition, Report, Rescaling, ResidualAcceleration, Rival, ScaledColumn, Value,
+    Verdict, VerdictReason,
 };
 pub use settings::{
-    AlarmSettings, ConsistencySettings, EquationSettings, GainSettings, LibrarySettings, NamingSettings, NoiseSettings,
-    PeriodSettings, PlaceSettings, PredictionSettings, PriorSettings, ReadSettings, RivalSettings, SearchSettings,
-    SelectionSettings, Settings, SignalSettings, SolverSettings, StudySettings, TimeScaleSettings, UnitSettings,
-    VerdictSettings, WindowSettings,
+    AlarmSettings, ConsistencySettings, DiagnosisSettings, EquationSettings, GainSettings, LibrarySettings,
+    NamingSettings, NoiseSettings, PeriodSettings, PlaceSettings, PredictionSettings, PriorSettings, ReadSettings,
+    RivalSettings, SearchSettings, SelectionSettings, SignalSettings, SolverSettings, StudySettings, TimeScaleSettings,
+    UnitSettings, VerdictSettings, WindowSettings,
 };
 pub use study::{
     Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, Window, WindowFit, WindowLength,

@@ -11,7 +11,7 @@ pub(crate) const TIME_LIMIT: Duration = Duration::from_mins(2);
 
 /// Choices of an analysis.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct AnalysisOptions {
     /// Width of the tanh that replaces `sign` in the smoothed model.
     pub epsilon: Rational,
     /// How far brackets are formed at the point.
@@ -31,9 +31,9 @@ pub struct Options {
     pub time_limit: Option<Duration>,
 }
 
-impl Default for Options {
+impl Default for AnalysisOptions {
     fn default() -> Self {
-        Options {
+        AnalysisOptions {
             epsilon: Rational::ONE / Rational::from(100),
             limits: Limits::default(),
             brackets: Vec::new(),
@@ -46,7 +46,7 @@ impl Default for Options {
     }
 }
 
-impl Options {
+impl AnalysisOptions {
     /// When an analysis that started at `start` ends, which is no later than the deadline that the pool has already.
     pub(crate) fn deadline(&self, start: Instant, pool: &Pool) -> Option<Instant> {
         let own = self.time_limit.and_then(|limit| start.checked_add(limit));

@@ -7,12 +7,12 @@ mod common;
 #[path = "../../../tests/main/common/tier.rs"]
 mod tier;
 
-use bracketry_lie::{Evidence, Options, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Evidence, analyze_affine};
 use common::{ellipse, fields, system};
 
 /// The report without the time that it took.
 fn told(system: &bracketry_system::System) -> serde_json::Value {
-    let mut json = serde_json::to_value(analyze_affine(system, &Options::default()).unwrap()).unwrap();
+    let mut json = serde_json::to_value(analyze_affine(system, &AnalysisOptions::default()).unwrap()).unwrap();
     json.as_object_mut().unwrap().remove("seconds");
     json
 }

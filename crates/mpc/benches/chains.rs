@@ -8,8 +8,8 @@
 mod common;
 
 use bracketry_mpc::{
-    ControlProblem, Dynamics, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Sqp, SqpController,
-    SqpSettings, Step, SymbolicDynamics, Trajectory,
+    ControlProblem, Dynamics, PlannedTrajectory, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant,
+    Sqp, SqpController, SqpSettings, Step, SymbolicDynamics,
 };
 use bracketry_system::System;
 use common::{closed_loop, median};
@@ -119,8 +119,8 @@ fn dynamics(problem: &ControlProblem) -> Box<dyn Dynamics> {
     Box::new(SymbolicDynamics::new(&problem.system).expect("dynamics that compile"))
 }
 
-fn start(problem: &ControlProblem) -> Trajectory {
-    Trajectory::constant(problem.ocp.steps, &problem.x0, &[0.0; 3])
+fn start(problem: &ControlProblem) -> PlannedTrajectory {
+    PlannedTrajectory::constant(problem.ocp.steps, &problem.x0, &[0.0; 3])
 }
 
 /// One closed loop of the real-time iteration: its samples and its sum of squared inputs.

@@ -6,8 +6,8 @@
 mod common;
 
 use bracketry_mpc::{
-    ControlProblem, Dynamics, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step,
-    SymbolicDynamics, Trajectory,
+    ControlProblem, Dynamics, PlannedTrajectory, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant,
+    Step, SymbolicDynamics,
 };
 use bracketry_system::System;
 use common::median;
@@ -29,8 +29,8 @@ fn dynamics(problem: &ControlProblem) -> Box<SymbolicDynamics> {
 }
 
 /// The guess of the problem, rolled out from its initial state.
-fn start(problem: &ControlProblem) -> Trajectory {
-    let mut z = Trajectory::constant(problem.ocp.steps, &problem.x0, &vec![0.0; problem.ocp.inputs()]);
+fn start(problem: &ControlProblem) -> PlannedTrajectory {
+    let mut z = PlannedTrajectory::constant(problem.ocp.steps, &problem.x0, &vec![0.0; problem.ocp.inputs()]);
     let mut plant = RungeKuttaPlant::new(dynamics(problem), 2);
     let mut x = problem.x0.clone();
     for (k, u) in problem.guess.iter().enumerate().filter(|(_, u)| u.iter().any(|v| *v != 0.0)) {

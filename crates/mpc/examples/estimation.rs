@@ -7,7 +7,7 @@ use bracketry_mpc::{
     EstimatedParameter, EstimationProblem, Estimator, ExtendedKalman, MeasuredOutput, MovingHorizon,
     MovingHorizonSettings,
 };
-use bracketry_sim::{ExactPlant, Settings};
+use bracketry_sim::{ExactPlant, SimulationSettings};
 use bracketry_symbolic::Rational;
 use bracketry_system::System;
 use std::error::Error;
@@ -81,7 +81,7 @@ fn plate(dt: f64, horizon: Option<usize>) -> Result<(), Box<dyn Error>> {
         problem.parameters = vec![EstimatedParameter { min: 0.0, ..EstimatedParameter::new("mu", 0.06) }];
         let measured: Vec<usize> = outputs.iter().filter_map(|name| system.state_index(name)).collect();
         let mut estimator = estimator(&problem, horizon)?;
-        let mut plant = ExactPlant::new(&plant_model, &x, &Settings::default())?;
+        let mut plant = ExactPlant::new(&plant_model, &x, &SimulationSettings::default())?;
         let omega = 6.0 * PI;
         for k in 0..(1.5 / dt) as usize {
             let t = k as f64 * dt;
@@ -137,7 +137,7 @@ fn pendulum(horizon: Option<usize>) -> Result<(), Box<dyn Error>> {
     problem.process_noise[w] = 0.01;
     problem.outputs = vec![MeasuredOutput::new("p", 1e-3), MeasuredOutput::new("th", 0.5 * DEG)];
     let mut estimator = estimator(&problem, horizon)?;
-    let mut plant = ExactPlant::new(&system, &x, &Settings::default())?;
+    let mut plant = ExactPlant::new(&system, &x, &SimulationSettings::default())?;
     let mut noise = Noise(1);
     let (mut squares, mut count, mut times) = ([0.0; 2], 0.0, Vec::new());
     for k in 0..100 {

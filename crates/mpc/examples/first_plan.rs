@@ -3,7 +3,7 @@
 //! `cargo run --release -p bracketry-mpc --example first_plan --features measure -- [--hessian gauss-newton|exact|automatic] [--log] FILE…`
 #![allow(clippy::print_stdout)]
 
-use bracketry_mpc::{ControlProblem, Hessian, Sqp, SqpSettings, SymbolicDynamics, Trajectory};
+use bracketry_mpc::{ControlProblem, Hessian, PlannedTrajectory, Sqp, SqpSettings, SymbolicDynamics};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut hessian, mut log, mut files) = (None, false, Vec::new());
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ..SqpSettings::default()
         };
         let mut sqp = Sqp::new(Box::new(SymbolicDynamics::new(&p.system)?), p.ocp.clone(), settings)?;
-        let mut guess = Trajectory::constant(p.ocp.steps, &p.x0, &vec![0.0; p.ocp.inputs()]);
+        let mut guess = PlannedTrajectory::constant(p.ocp.steps, &p.x0, &vec![0.0; p.ocp.inputs()]);
         for (k, u) in p.guess.iter().enumerate() {
             guess.u_mut(k).copy_from_slice(u);
         }

@@ -4,10 +4,10 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use bracketry_mpc::{
-    ClosedLoop, Controller, CostFunction, CostKind, LoopSettings, Ocp, Rti, RtiSettings, Sqp, SqpController,
-    SqpSettings, StickSlipController, StickSlipSettings, SymbolicDynamics, Trajectory, run_closed_loop,
+    ClosedLoop, Controller, CostFunction, CostKind, LoopSettings, Ocp, PlannedTrajectory, Rti, RtiSettings, Sqp,
+    SqpController, SqpSettings, StickSlipController, StickSlipSettings, SymbolicDynamics, run_closed_loop,
 };
-use bracketry_sim::{ExactPlant, Settings};
+use bracketry_sim::{ExactPlant, SimulationSettings};
 use bracketry_symbolic::Rational;
 use bracketry_system::System;
 
@@ -169,7 +169,7 @@ fn cart_pole() -> String {
 type Maker = Box<dyn Fn(&Case, &System) -> Box<dyn Controller>>;
 
 fn contenders() -> Vec<(String, Maker)> {
-    let guess = |case: &Case| Trajectory::constant(case.steps, &case.x0, &vec![0.0; case.bounds.len()]);
+    let guess = |case: &Case| PlannedTrajectory::constant(case.steps, &case.x0, &vec![0.0; case.bounds.len()]);
     let mut list: Vec<(String, Maker)> = Vec::new();
     for width in [0.1, 0.01, 0.001] {
         list.push((
@@ -216,7 +216,7 @@ fn run(case: &Case, make: &Maker, percent: i64) -> ClosedLoop {
     let mu = model.parameters.iter().find(|p| model.symbol_name(p.symbol) == "mu").unwrap().value.clone();
     assert!(model.set_parameter("mu", mu * Rational::from_parts(percent.into(), 100u8.into())));
     let mut controller = make(case, &model);
-    let mut plant = ExactPlant::new(&plant, &case.x0, &Settings::default()).unwrap();
+    let mut plant = ExactPlant::new(&plant, &case.x0, &SimulationSettings::default()).unwrap();
     run_closed_loop(controller.as_mut(), &mut plant, &case.x0, case.samples, LoopSettings::default()).unwrap()
 }
 

@@ -6,10 +6,10 @@
 #![allow(clippy::print_stdout)]
 
 use bracketry_mpc::{
-    Brake, ControlProblem, Controller, Counts, FailurePolicy, Fault, LoopSettings, Plant, Rti, RtiSettings,
-    RungeKuttaPlant, SampledLoop, SymbolicDynamics, Trajectory,
+    Brake, ControlProblem, Controller, Counts, FailurePolicy, Fault, LoopSettings, PlannedTrajectory, Plant, Rti,
+    RtiSettings, RungeKuttaPlant, SampledLoop, SymbolicDynamics,
 };
-use bracketry_sim::{ExactPlant, Settings};
+use bracketry_sim::{ExactPlant, SimulationSettings};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -125,7 +125,7 @@ fn outcomes(c: &Counts) -> String {
 fn controller(problem: &ControlProblem, policy: FailurePolicy) -> Result<Rti, Box<dyn Error>> {
     let settings = RtiSettings { policy, smoothing: problem.widths().last().copied(), ..RtiSettings::default() };
     let rest = vec![0.0; problem.ocp.inputs()];
-    let start = Trajectory::constant(problem.ocp.steps, &problem.x0, &rest);
+    let start = PlannedTrajectory::constant(problem.ocp.steps, &problem.x0, &rest);
     let dynamics = Box::new(SymbolicDynamics::new(&problem.system)?);
     Ok(Rti::new(dynamics, problem.ocp.clone(), start, settings)?)
 }
@@ -160,7 +160,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut rti = controller(&spring, policy)?;
     let push = [0.0, 0.05];
     let settings = LoopSettings { faults: Some(Box::new(|_| faults(&mut random, &push))), ..LoopSettings::default() };
-    let mut plant = ExactPlant::new(&spring.plant, &spring.x0, &Settings::default())?;
+    let mut plant = ExactPlant::new(&spring.plant, &spring.x0, &SimulationSettings::default())?;
     grown.push(watch("mass with dry friction and faults", &mut rti, &mut plant, &spring.x0, samples / 50, settings)?);
 
     assert!(grown.iter().all(|g| *g < NOISE), "the memory grows: {grown:?} bytes");

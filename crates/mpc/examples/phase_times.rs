@@ -4,10 +4,10 @@
 #![allow(clippy::print_stdout)]
 
 use bracketry_mpc::{
-    ControlProblem, LoopSettings, PhaseTimes, Preparation, Rti, RtiSettings, RungeKuttaPlant, SolveTimes,
-    SymbolicDynamics, Trajectory, run_closed_loop,
+    ControlProblem, LoopSettings, PhaseTimes, PlannedTrajectory, Preparation, Rti, RtiSettings, RungeKuttaPlant,
+    SolveTimes, SymbolicDynamics, run_closed_loop,
 };
-use bracketry_sim::{ExactPlant, Settings};
+use bracketry_sim::{ExactPlant, SimulationSettings};
 use std::error::Error;
 
 fn print(name: &str, times: &PhaseTimes) {
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     for (name, preparation) in kinds {
         let settings = RtiSettings { preparation, ..RtiSettings::default() };
-        let start = Trajectory::constant(pendulum.ocp.steps, &pendulum.x0, &[0.0]);
+        let start = PlannedTrajectory::constant(pendulum.ocp.steps, &pendulum.x0, &[0.0]);
         let model = || SymbolicDynamics::new(&pendulum.system).map(Box::new);
         let mut rti = Rti::new(model()?, pendulum.ocp.clone(), start, settings)?;
         for _ in 1..30 {
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         print(name, &run.phases);
     }
     let plate = ControlProblem::read(format!("{models}plate_move.toml"))?;
-    let run = plate.run(&mut ExactPlant::new(&plate.plant, &plate.x0, &Settings::default())?)?;
+    let run = plate.run(&mut ExactPlant::new(&plate.plant, &plate.x0, &SimulationSettings::default())?)?;
     print("plate along its plan", &run.closed_loop.phases);
     Ok(())
 }

@@ -4,8 +4,8 @@
 #![allow(clippy::print_stdout, clippy::format_push_string)]
 
 use bracketry_mpc::{
-    Bounds, ControlProblem, CostFunction, CostKind, Hessian, Integrator, Method, MpcError, Ocp, Softness, SolveStatus,
-    Sqp, SqpSettings, Substeps, SymbolicDynamics, Trajectory,
+    Bounds, ControlProblem, CostFunction, CostKind, Hessian, Integrator, Method, MpcError, Ocp, PlannedTrajectory,
+    Softness, SolveStatus, Sqp, SqpSettings, Substeps, SymbolicDynamics,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;
@@ -239,7 +239,7 @@ fn report(name: &str, outcomes: &[Outcome], verbose: bool) {
     }
 }
 
-fn solve(sqp: &mut Sqp, x0: &[f64], guess: &Trajectory) -> Result<Outcome, MpcError> {
+fn solve(sqp: &mut Sqp, x0: &[f64], guess: &PlannedTrajectory) -> Result<Outcome, MpcError> {
     let s = sqp.solve(x0, guess)?;
     let converged = matches!(s.status, SolveStatus::Converged | SolveStatus::Infeasible { .. });
     Ok(Outcome { converged, programs: s.iterations.len(), cost: s.cost, status: s.status })
@@ -282,7 +282,7 @@ fn main() -> Result<(), Failure> {
         let mut outcomes = Vec::new();
         for _ in 0..starts {
             let x0: Vec<f64> = c.low.iter().zip(&c.high).map(|(a, b)| a + (b - a) * random.next()).collect();
-            let guess = Trajectory::constant(c.ocp.steps, &x0, &c.input);
+            let guess = PlannedTrajectory::constant(c.ocp.steps, &x0, &c.input);
             outcomes.push(solve(&mut sqp, &x0, &guess)?);
         }
         report(c.name, &outcomes, only.is_some());

@@ -3,7 +3,7 @@
 use bracketry_symbolic::{CompileError, StopFlag};
 
 /// Why a plant could not be simulated further.
-pub type PlantError = Box<dyn std::error::Error + Send + Sync>;
+pub type PlantFailure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Misuse or bad input; outcomes of a solution process are statuses instead.
 #[derive(Debug, thiserror::Error)]
@@ -112,7 +112,7 @@ pub enum MpcError {
         /// Time of the sample, s.
         time: f64,
         /// The reason.
-        source: PlantError,
+        source: PlantFailure,
     },
     /// A name that should be a parameter of the model is none.
     #[error("the model has no parameter `{name}`: it has {}", if known.is_empty() { "none".into() } else { known.join(", ") })]

@@ -69,11 +69,11 @@ pub use closed_loop::{
     SolveTimes, SourceCounts, run_closed_loop,
 };
 pub use controller::{
-    Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, SolverEffort, Step, StepLimits, StepStatus,
-    SumUpRounding, Timings,
+    Brake, Controller, FailurePolicy, FallbackReason, InputSource, PlanErrors, SolverEffort, Step, StepLimits,
+    StepStatus, SumUpRounding, Timings,
 };
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
-pub use error::{MpcError, PlantError};
+pub use error::{MpcError, PlantFailure};
 pub use estimation::{
     Disturbance, DisturbanceChannel, Estimate, EstimateStatus, EstimatedParameter, EstimationProblem, Estimator,
     ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, OffsetFree, Outliers, OutputFeedback,
@@ -97,5 +97,5 @@ pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSo
 pub use riccati::{InfiniteHorizon, Riccati, dare};
 pub use rti::{Horizon, Preparation, Rti, RtiSettings};
 pub use sqp::{Hessian, Iteration, Solution, SolveStatus, Sqp, SqpController, SqpSettings};
-pub use trajectory::Trajectory;
-pub use transcription::Linearization;
+pub use trajectory::PlannedTrajectory;
+pub use transcription::ShootingLinearization;

@@ -4,14 +4,14 @@ use crate::error::{MpcError, check_length};
 
 /// Inputs u_0 … u_{N−1}, constant over their interval, and states x_0 … x_N at the grid points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trajectory {
+pub struct PlannedTrajectory {
     n: usize,
     m: usize,
     x: Vec<f64>,
     u: Vec<f64>,
 }
 
-impl Trajectory {
+impl PlannedTrajectory {
     /// A trajectory that rests at `x` with the inputs `u` for `steps` intervals.
     pub fn constant(steps: usize, x: &[f64], u: &[f64]) -> Self {
         Self { n: x.len(), m: u.len(), x: x.repeat(steps + 1), u: u.repeat(steps) }
@@ -85,7 +85,7 @@ impl Trajectory {
         Self { n, m: self.m, x: rows.collect(), u: self.u.clone() }
     }
 
-    /// Takes over another trajectory of more states, as [`Trajectory::first_states`].
+    /// Takes over another trajectory of more states, as [`PlannedTrajectory::first_states`].
     pub(crate) fn copy_first_states(&mut self, other: &Self) {
         self.x.clear();
         for k in 0..=other.steps() {

@@ -8,8 +8,8 @@ mod common;
 
 use allocation_counter::measure;
 use bracketry_mpc::{
-    Bounds, ControlProblem, CostFunction, CostKind, Ocp, ProgramForm, Rti, RtiSettings, Softness, StepStatus, Substeps,
-    SymbolicDynamics, TerminalTarget, Trajectory,
+    Bounds, ControlProblem, CostFunction, CostKind, Ocp, PlannedTrajectory, ProgramForm, Rti, RtiSettings, Softness,
+    StepStatus, Substeps, SymbolicDynamics, TerminalTarget,
 };
 use bracketry_system::System;
 use clarabel::algebra::CscMatrix;
@@ -61,7 +61,7 @@ fn swing_up() -> (System, Ocp) {
 fn largest(settings: RtiSettings, programs: u64) -> (u64, u64, u64) {
     let (system, ocp) = swing_up();
     let dynamics = Box::new(SymbolicDynamics::new(&system).unwrap());
-    let mut rti = Rti::new(dynamics, ocp, Trajectory::constant(40, &X0, &[0.0]), settings).unwrap();
+    let mut rti = Rti::new(dynamics, ocp, PlannedTrajectory::constant(40, &X0, &[0.0]), settings).unwrap();
     let mut x = X0;
     let mut worst = (0, 0, 0);
     for k in 0..12 {

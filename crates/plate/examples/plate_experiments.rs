@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout)]
 
 use bracketry_plate::{AmplitudeStep, Experiment, PlateError, Run, Shape, published, two_step};
-use bracketry_sim::Settings;
+use bracketry_sim::SimulationSettings;
 
 const START: [f64; 6] = [0.48, -0.03, 0.0, 0.0, 0.0, 0.0];
 
@@ -25,7 +25,7 @@ fn orientation() -> Result<(), PlateError> {
         for (object, shape) in [("ellipse", Shape::REFERENCE_ELLIPSE), ("disk", Shape::REFERENCE_DISK)] {
             for mu in [0.2, 0.3, 0.5] {
                 let x0 = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
-                let run = experiment.run(&published(&shape, mu)?, &x0, 15.0, &Settings::default())?;
+                let run = experiment.run(&published(&shape, mu)?, &x0, 15.0, &SimulationSettings::default())?;
                 let x = run.trajectory.final_state();
                 let turns = x[2] / std::f64::consts::TAU;
                 println!("| {tilt} | {object} | {mu} | {} | {turns:+.1} turns, {:+.1} rad/s |", time(&run), x[5]);
@@ -43,7 +43,7 @@ fn position() -> Result<(), PlateError> {
     for experiment in &experiments {
         for mu in [0.2, 0.3, 0.4] {
             let system = published(&Shape::REFERENCE_ELLIPSE, mu)?;
-            let run = experiment.run(&system, &START, 15.0, &Settings::default())?;
+            let run = experiment.run(&system, &START, 15.0, &SimulationSettings::default())?;
             let (low, high) = run.range(14.0);
             let [low, high] = [low, high].map(|q| 1e3 * (q - experiment.target));
             println!(
@@ -57,7 +57,7 @@ fn position() -> Result<(), PlateError> {
     println!("\n| wrong sign of e | friction | error at the start | after 4 s |\n|---|---|---|---|");
     for experiment in experiments {
         let system = published(&Shape::REFERENCE_ELLIPSE, 0.3)?;
-        let run = experiment.clone().with_reversed_error().run(&system, &START, 4.0, &Settings::default())?;
+        let run = experiment.clone().with_reversed_error().run(&system, &START, 4.0, &SimulationSettings::default())?;
         let start = 1e3 * (experiment.start - experiment.target);
         println!("| {} | 0.3 | {start:+.0} mm | {:+.0} mm |", experiment.name, 1e3 * run.final_error());
     }
@@ -70,7 +70,7 @@ fn two_steps() -> Result<(), PlateError> {
     for mu in [0.2, 0.3, 0.4] {
         let stages = [Experiment::orientation().with_reversed_tilt(), along_x(3), Experiment::translation_y()];
         let system = published(&Shape::REFERENCE_ELLIPSE, mu)?;
-        let result = two_step(&system, &stages, &START, 15.0, &Settings::default())?;
+        let result = two_step(&system, &stages, &START, 15.0, &SimulationSettings::default())?;
         for stage in &result.stages {
             let met = if stage.met { "yes" } else { "no" };
             println!("| {mu} | {} | {:.2} s | {met} |", stage.name, stage.to - stage.from);

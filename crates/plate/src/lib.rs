@@ -5,9 +5,9 @@
 //!
 //! ```
 //! use bracketry_plate::{Establishing, Harmonic, ModelObject, PeriodicMotion, Shape, mean_velocity, published};
-//! use bracketry_sim::Settings;
+//! use bracketry_sim::SimulationSettings;
 //! let model = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
-//! let mut object = ModelObject::new(&model, [0.0; 6], &Settings::default()).unwrap();
+//! let mut object = ModelObject::new(&model, [0.0; 6], &SimulationSettings::default()).unwrap();
 //! // The plate shakes with two harmonics, 3 Hz, and does not tilt: where the object lies, it creeps along x.
 //! let harmonic = |amplitude, phase| Harmonic { amplitude, phase };
 //! let displacement = vec![harmonic(0.04, 0.0), harmonic(0.02, 0.5)];

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use bracketry_plot::{
     Animation, Arrow, BarChart, Color, ColorMap, Dash, HeatMap, Interval, IntervalChart, Outline, Panel, PlanView,
-    Pose, RegimeMap, Scene, Series, Snapshot, TimeSeries, Trajectory, VectorField, XyChart,
+    Pose, RecordedMotion, RegimeMap, Scene, Series, Snapshot, TimeSeries, VectorField, XyChart,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -96,7 +96,7 @@ fn plan_view() -> PlanView {
         let (t, x) = sample(end, 2000, |t| 0.48 + 0.06 * s(t).0 + 0.004 * (12.0 * t).sin() * (1.0 - t / end));
         let (_, y) = sample(end, 2000, |t| -0.03 + 0.03 * s(t).0 + 0.004 * ((12.0 * t).cos() - 1.0) * (1.0 - t / end));
         let (_, phi) = sample(end, 2000, |t| FRAC_PI_2 * s(t).1);
-        Trajectory::new(name, t, x, y, phi)
+        RecordedMotion::new(name, t, x, y, phi)
     };
     let together = track("MPC", 2.0, &|t| (ease(t), ease(t)));
     let apart = track("published inputs", 15.0, &|t| (ease((t - 11.0) / 2.0), ease(t / 5.5)));

@@ -55,7 +55,7 @@ pub use error::{PlotError, Result};
 pub use field::Mark;
 pub use heat_map::{HeatMap, RegimeMap};
 pub use interval_chart::{Estimated, IntervalChart};
-pub use motion::{Outline, Pose, Trajectory};
+pub use motion::{Outline, Pose, RecordedMotion};
 pub use panel::{Interval, Level, Markers, Panel, Series};
 pub use plan_view::{PlanView, Scene};
 pub use role::Role;

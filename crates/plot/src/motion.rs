@@ -69,7 +69,7 @@ impl Outline {
 
 /// A recorded motion.
 #[derive(Debug, Clone)]
-pub struct Trajectory {
+pub struct RecordedMotion {
     /// Name in the legend; may be empty.
     pub name: String,
     /// Times in seconds, not decreasing.
@@ -86,7 +86,7 @@ pub struct Trajectory {
     pub end: Option<String>,
 }
 
-impl Trajectory {
+impl RecordedMotion {
     /// A motion through `(x[i], y[i], phi[i])` at `time[i]`.
     pub fn new(
         name: impl Into<String>,

@@ -7,7 +7,7 @@ use crate::decimate::{decimate, simplify};
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite};
 use crate::legend::{Legend, Marker, Sample};
-use crate::motion::{Outline, Pose, Trajectory};
+use crate::motion::{Outline, Pose, RecordedMotion};
 use crate::panel::{COLUMN, TOLERANCE};
 use crate::setters::setters;
 use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
@@ -22,7 +22,7 @@ pub struct Scene {
     /// The object's shape.
     pub outline: Outline,
     /// The motions, each in a color of its own.
-    pub trajectories: Vec<Trajectory>,
+    pub trajectories: Vec<RecordedMotion>,
     /// Where the object should arrive.
     pub target: Option<Pose>,
 }
@@ -35,7 +35,7 @@ impl Scene {
 
     setters! {
         /// Adds a motion.
-        trajectory(trajectory: Trajectory) |it| it.trajectories.push(trajectory);
+        trajectory(trajectory: RecordedMotion) |it| it.trajectories.push(trajectory);
         /// Sets the pose to be reached.
         target(pose: Pose) |it| it.target = Some(pose);
     }
@@ -48,7 +48,7 @@ impl Scene {
         if let Some(p) = self.target {
             check_finite(&format!("target of {}", self.title), &[p.x, p.y, p.phi])?;
         }
-        self.trajectories.iter().try_for_each(Trajectory::check)
+        self.trajectories.iter().try_for_each(RecordedMotion::check)
     }
 
     /// All points that the view should show.
@@ -75,7 +75,7 @@ impl Scene {
 
     /// Legend of the motions.
     fn entries(&self) -> Vec<(Sample, String)> {
-        let entry = |(k, trajectory): (usize, &Trajectory)| {
+        let entry = |(k, trajectory): (usize, &RecordedMotion)| {
             let (start, end) = trajectory.span()?;
             let times = format!("{}\u{a0}to\u{a0}{}\u{a0}s", short(start), short(end));
             let name = match trajectory.name.as_str() {
@@ -167,8 +167,8 @@ fn target_stroke() -> Stroke {
 /// Views from above with equal scales on both axes, side by side where there are several.
 ///
 /// ```
-/// use bracketry_plot::{Outline, PlanView, Pose, Scene, Trajectory};
-/// let motion = Trajectory::new("push", [0.0, 1.0], [0.48, 0.54], [-0.03, 0.0], [0.0, 1.57]);
+/// use bracketry_plot::{Outline, PlanView, Pose, Scene, RecordedMotion};
+/// let motion = RecordedMotion::new("push", [0.0, 1.0], [0.48, 0.54], [-0.03, 0.0], [0.0, 1.57]);
 /// let scene = Scene::new("Simultaneous", Outline::Ellipse { a: 0.15, b: 0.1 })
 ///     .trajectory(motion)
 ///     .target(Pose::new(0.54, 0.0, 1.57));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bracketry::lie::Options;
+use bracketry::lie::AnalysisOptions;
 use bracketry::report::analysis::{self as report, AffinizationReport};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -29,7 +29,7 @@ pub(crate) fn analyze<'py>(
         if let Some(at) = &at {
             system.point = Some(bracketry::point(&mut system, at).map_err(|e| Failure::from(e).about("at"))?);
         }
-        let options = Options { brackets, determined: determines, ..Options::default() };
+        let options = AnalysisOptions { brackets, determined: determines, ..AnalysisOptions::default() };
         let analysis = bracketry::analyze(&system, &options)?;
         let affine = Model::made(analysis.affinization.system.clone());
         let (markdown, latex) = (report::markdown(&analysis), report::latex(&analysis));

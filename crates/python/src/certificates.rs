@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bracketry::certify::{Certificate, Find, Options, check, portrait, with_feedback};
+use bracketry::certify::{Certificate, CertifyOptions, Find, check, portrait, with_feedback};
 use bracketry::report::certificates::{certification_json, certification_text, check_text, region_figure};
 use bracketry::system::System;
 use pyo3::prelude::*;
@@ -66,7 +66,7 @@ pub(crate) fn certify<'py>(
         for name in &find {
             list.extend(sought(name, &system)?);
         }
-        let options = Options { find: list, degree, time_limit: Some(limit), stop: stop.clone() };
+        let options = CertifyOptions { find: list, degree, time_limit: Some(limit), stop: stop.clone() };
         let found = bracketry::certify::certify(&system, &options).map_err(|e| Failure::from(e).about("degree"))?;
         let mut figures = Figures::default();
         let proof = found.region.as_ref().and_then(|f| f.proof()).filter(|p| p.level.is_some());

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    Record, RecordSettings, Settings, StudySettings, diagnose as run, read_record, reference_candidates,
+    DiagnosisSettings, Record, RecordSettings, StudySettings, diagnose as run, read_record, reference_candidates,
 };
 use bracketry::lie::RankChange;
 use bracketry::system::System;
@@ -87,12 +87,12 @@ pub(crate) fn diagnose<'py>(
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         pool.install(|| -> Result<_, Failure> {
             let (records, validate) = (read(data, &system, &reading)?, read(validate, &system, &reading)?);
-            let defaults = Settings::default();
+            let defaults = DiagnosisSettings::default();
             let candidates = match &reference {
                 Some(other) => reference_candidates(&system, other).map_err(|e| Failure::from(e).about("reference"))?,
                 None => Vec::new(),
             };
-            let settings = Settings {
+            let settings = DiagnosisSettings {
                 study: StudySettings { window, fixed: fix, ..StudySettings::default() },
                 max_causes: max_causes.unwrap_or(defaults.max_causes),
                 seed: seed.unwrap_or(defaults.seed),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bracketry::report::simulation;
-use bracketry::sim::{InputError, SampledScenario, Samples, Scenario, ScenarioRun, Settings};
+use bracketry::sim::{InputError, SampledScenario, Samples, Scenario, ScenarioRun, SimulationSettings};
 use bracketry::system::{Columns, FileError, System};
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -108,8 +108,8 @@ pub(crate) fn simulate<'py>(
     let system = model.get().system.clone();
     let (answer, run) = watched(py, move |stop| {
         let given = given.scenario(&system)?;
-        let defaults = Settings::default();
-        let settings = Settings {
+        let defaults = SimulationSettings::default();
+        let settings = SimulationSettings {
             rtol: rtol.unwrap_or(defaults.rtol),
             atol: atol.unwrap_or(defaults.atol),
             stop: stop.clone(),

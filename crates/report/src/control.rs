@@ -4,7 +4,7 @@ use std::fmt;
 
 use bracketry_mpc::{
     BoundSide, ClosedLoopReport, ControlError, ControlProblem, Controlled, Hessian, LateSamples, MethodReason,
-    MpcError, Ocp, PlantEquations, PlantStopped, Trajectory,
+    MpcError, Ocp, PlannedTrajectory, PlantEquations, PlantStopped,
 };
 use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
 use bracketry_sim::Breakdown;
@@ -246,7 +246,7 @@ pub fn plan(problem: &ControlProblem, controlled: &Controlled) -> Option<(Vec<St
 }
 
 /// Rows of a predicted trajectory; the last state has no input of its own and gets the one before.
-fn planned<'a>(plan: &'a Trajectory, first: f64, ocp: &'a Ocp) -> impl Iterator<Item = Vec<f64>> + 'a {
+fn planned<'a>(plan: &'a PlannedTrajectory, first: f64, ocp: &'a Ocp) -> impl Iterator<Item = Vec<f64>> + 'a {
     (0..=plan.steps()).map(move |k| {
         let last = k.min(plan.steps() - 1);
         [&[rounded(first + ocp.offset(k))], plan.x(k), plan.u(last)].concat()

@@ -1,11 +1,11 @@
 //! Every result as text, Markdown, LaTeX, HTML with MathML, JSON and figures.
 //!
 //! ```
-//! use bracketry_lie::{Options, analyze};
+//! use bracketry_lie::{AnalysisOptions, analyze};
 //! use bracketry_system::System;
 //! let text = "states = ['x', 'y', 'th']\ninputs = ['v', 'w']\ndynamics = { x = 'v*cos(th)', y = 'v*sin(th)', th = 'w' }";
 //! let unicycle = System::parse("unicycle.toml", text).unwrap();
-//! let analysis = analyze(&unicycle, &Options::default()).unwrap();
+//! let analysis = analyze(&unicycle, &AnalysisOptions::default()).unwrap();
 //! assert!(bracketry_report::analysis::text(&analysis).contains("accessible"));
 //! ```
 

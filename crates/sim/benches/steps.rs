@@ -4,7 +4,7 @@
 
 mod by_hand;
 
-use bracketry_sim::{FrictionPoints, FrictionSolver, Inputs, Model, Settings, Stepper};
+use bracketry_sim::{FrictionPoints, FrictionSolver, Inputs, Model, SimulationSettings, Stepper};
 use bracketry_system::System;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -41,7 +41,7 @@ fn experiment_1(text: &str) -> Model {
 
 fn run(bencher: Bencher, model: &Model, start: &[f64], digits: i32) {
     let rtol = 10f64.powi(-digits);
-    let settings = Settings::default().with_tolerance(rtol, 1e-2 * rtol);
+    let settings = SimulationSettings::default().with_tolerance(rtol, 1e-2 * rtol);
     let whole = || {
         let mut stepper = Stepper::new(model.clone(), 0.0, start, &settings).expect("a start");
         assert!(stepper.advance(DURATION).is_finished());

@@ -16,7 +16,7 @@ const MOST_PARTS: usize = 64;
 /// should not change.
 ///
 /// ```
-/// use bracketry_sim::{simulate, Balance, Inputs, Model, Settings};
+/// use bracketry_sim::{simulate, Balance, Inputs, Model, SimulationSettings};
 /// use bracketry_system::System;
 /// let text = r#"
 ///     states = ["x", "v"]
@@ -26,7 +26,7 @@ const MOST_PARTS: usize = 64;
 /// "#;
 /// let system = System::parse("block.toml", text).unwrap();
 /// let inputs = Inputs::new().expression("a", "3*sin(t)");
-/// let run = simulate(Model::new(&system, &inputs).unwrap(), 0.0, &[1.0, 0.0], 20.0, &Settings::default()).unwrap();
+/// let run = simulate(Model::new(&system, &inputs).unwrap(), 0.0, &[1.0, 0.0], 20.0, &SimulationSettings::default()).unwrap();
 /// // Per mass: stored (v² + x²)/2, power of the drive and of friction.
 /// let mut balance = Balance::new(&system, &inputs, "(v^2 + x^2)/2", "(a - f*sign(v))*v", &[]).unwrap();
 /// assert!(balance.of(&run.trajectory).relative_error() < 1e-8);

@@ -9,7 +9,7 @@ use bracketry_system::System;
 /// A compiled model with algebraic variables.
 ///
 /// ```
-/// use bracketry_sim::{ImplicitModel, Inputs, Settings, simulate};
+/// use bracketry_sim::{ImplicitModel, Inputs, SimulationSettings, simulate};
 /// use bracketry_system::{Accepted, System};
 /// // x' = −z with z + z³ = x: (1 + 3z²) z' = −z, so that ln z + 3z²/2 falls by t.
 /// let text = "states = ['x']\ndynamics = { x = '-z' }\nalgebraic = { z = 'z + z^3 - x' }";
@@ -17,7 +17,7 @@ use bracketry_system::System;
 /// let model = ImplicitModel::new(&system, &Inputs::new()).unwrap();
 /// // From z = 1 to z = 1/2.
 /// let time = 2f64.ln() + 1.5 * (1.0 - 0.25);
-/// let run = simulate(model, 0.0, &[2.0], time, &Settings::default()).unwrap();
+/// let run = simulate(model, 0.0, &[2.0], time, &SimulationSettings::default()).unwrap();
 /// assert!((run.trajectory.final_state()[0] - 0.625).abs() < 1e-8);
 /// ```
 #[derive(Clone, Debug)]

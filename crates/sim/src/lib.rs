@@ -11,13 +11,13 @@
 //! piece by piece, as in a control loop.
 //!
 //! ```
-//! use bracketry_sim::{Inputs, Model, Settings, simulate};
+//! use bracketry_sim::{Inputs, Model, SimulationSettings, simulate};
 //! use bracketry_system::System;
 //! let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u - sign(v)' }";
 //! let block = System::parse("block.toml", text).unwrap();
 //! // Pushed with 3 against dry friction of 1 for one second, then left alone: it slides for two seconds more, and stops.
 //! let push = Inputs::new().expression("u", "1.5 + 1.5*sign(1 - t)");
-//! let run = simulate(Model::new(&block, &push).unwrap(), 0.0, &[0.0, 0.0], 5.0, &Settings::default()).unwrap();
+//! let run = simulate(Model::new(&block, &push).unwrap(), 0.0, &[0.0, 0.0], 5.0, &SimulationSettings::default()).unwrap();
 //! assert!(run.outcome.is_finished());
 //! assert!((run.trajectory.final_state()[0] - 3.0).abs() < 1e-9);
 //! assert!(run.trajectory.final_state()[1].abs() < 1e-12);
@@ -49,14 +49,14 @@ pub use bracketry_numerics::spline::{Bandwidth, SmoothingSpline, smooth};
 pub use breakdown::{Breakdown, Undefined, UndefinedPart};
 pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
 pub use discrete::DiscreteModel;
-pub use friction::{Mode, ModeChange, ModeInterval};
+pub use friction::{FrictionMode, ModeChange, ModeInterval};
 pub use implicit_model::ImplicitModel;
 pub use model::{Hold, InputError, Inputs, Model, Samples};
 pub use outcome::{Outcome, Statistics, StopReason};
 pub use plant::{ExactPlant, PlantError};
 pub use scenario::{SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
 pub use sensitivity::{Path, Saltation, Tangent};
-pub use settings::{Settings, SimError};
+pub use settings::{SimError, SimulationSettings};
 pub use simulate::{Simulation, simulate};
 pub use stepper::Stepper;
 pub use switched::{Closures, Coupled, Switched};

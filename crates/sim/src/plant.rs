@@ -1,12 +1,14 @@
 //! A model in a control loop: inputs held constant from sample to sample.
 
-use crate::{InputError, Inputs, Mode, Model, Outcome, Settings, SimError, Statistics, Stepper, Trajectory};
+use crate::{
+    FrictionMode, InputError, Inputs, Model, Outcome, SimError, SimulationSettings, Statistics, Stepper, Trajectory,
+};
 use bracketry_system::System;
 
 /// A [`System`] simulated from one control sample to the next with its inputs held constant, on exact stick and slip.
 ///
 /// ```
-/// use bracketry_sim::{ExactPlant, Settings};
+/// use bracketry_sim::{ExactPlant, SimulationSettings};
 /// use bracketry_system::System;
 /// let text = r#"
 ///     states = ["x", "v"]
@@ -14,7 +16,7 @@ use bracketry_system::System;
 ///     dynamics = { x = "v", v = "a - sign(v)" }
 /// "#;
 /// let system = System::parse("block.toml", text).unwrap();
-/// let mut plant = ExactPlant::new(&system, &[0.0, 0.0], &Settings::default()).unwrap();
+/// let mut plant = ExactPlant::new(&system, &[0.0, 0.0], &SimulationSettings::default()).unwrap();
 /// assert!(plant.hold(&[0.9], 0.01).unwrap().is_finished()); // too weak: it holds
 /// assert_eq!(plant.state(), &[0.0, 0.0]);
 /// assert!(plant.hold(&[3.0], 0.01).unwrap().is_finished()); // v' = 3 − 1
@@ -41,7 +43,7 @@ impl ExactPlant {
     ///
     /// # Errors
     /// [`PlantError`] if the system cannot be compiled, or for a wrong state or settings.
-    pub fn new(system: &System, x0: &[f64], settings: &Settings) -> Result<Self, PlantError> {
+    pub fn new(system: &System, x0: &[f64], settings: &SimulationSettings) -> Result<Self, PlantError> {
         let model = Model::new(system, &Inputs::new())?;
         Ok(Self { stepper: Stepper::new(model, 0.0, x0, settings)? })
     }
@@ -75,7 +77,7 @@ impl ExactPlant {
     }
 
     /// Current modes, one per switching function.
-    pub fn modes(&self) -> &[Mode] {
+    pub fn modes(&self) -> &[FrictionMode] {
         self.stepper.modes()
     }
 

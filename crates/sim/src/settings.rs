@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Tolerances and limits of a simulation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
+pub struct SimulationSettings {
     /// Relative tolerance of the local error of every state.
     pub rtol: f64,
     /// Absolute tolerance of the local error of every state.
@@ -14,7 +14,7 @@ pub struct Settings {
     pub max_step: f64,
     /// Most accepted and rejected steps of one call.
     pub max_steps: usize,
-    /// Most events within [`Settings::event_window`]: the guard against chattering (Zeno behavior).
+    /// Most events within [`SimulationSettings::event_window`]: the guard against chattering (Zeno behavior).
     pub max_events: usize,
     /// Length in seconds of the window in which events are counted.
     pub event_window: f64,
@@ -26,7 +26,7 @@ pub struct Settings {
     pub stop: StopFlag,
 }
 
-impl Default for Settings {
+impl Default for SimulationSettings {
     fn default() -> Self {
         Self {
             rtol: 1e-9,
@@ -41,7 +41,7 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl SimulationSettings {
     /// Both tolerances at once.
     #[must_use]
     pub fn with_tolerance(mut self, rtol: f64, atol: f64) -> Self {
@@ -101,7 +101,7 @@ pub enum SimError {
     /// A setting without meaning.
     #[error("the setting {name} = {value} must be positive")]
     BadSetting {
-        /// The field of [`Settings`].
+        /// The field of [`SimulationSettings`].
         name: &'static str,
         /// Its value.
         value: f64,

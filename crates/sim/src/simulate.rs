@@ -1,6 +1,6 @@
 //! A whole simulation in one call.
 
-use crate::{Outcome, Settings, SimError, Statistics, Stepper, Switched, Trajectory};
+use crate::{Outcome, SimError, SimulationSettings, Statistics, Stepper, Switched, Trajectory};
 
 /// The result of [`simulate`].
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub fn simulate(
     t0: f64,
     x0: &[f64],
     t_end: f64,
-    settings: &Settings,
+    settings: &SimulationSettings,
 ) -> Result<Simulation, SimError> {
     let mut stepper = Stepper::new(system, t0, x0, settings)?;
     let (trajectory, outcome) = stepper.record(t_end)?;

@@ -69,7 +69,7 @@ pub trait Switched {
 /// A [`Switched`] system made of closures.
 ///
 /// ```
-/// use bracketry_sim::{simulate, Closures, Settings};
+/// use bracketry_sim::{simulate, Closures, SimulationSettings};
 /// // A block slides to rest under dry friction: v' = -μ g sgn(v).
 /// let block = Closures {
 ///     dim: 2,
@@ -81,7 +81,7 @@ pub trait Switched {
 ///     switching: |_t, x: &[f64], sigma: &mut [f64]| sigma[0] = x[1],
 ///     gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[1] = 1.0,
 /// };
-/// let run = simulate(block, 0.0, &[0.0, 1.0], 2.0, &Settings::default()).unwrap();
+/// let run = simulate(block, 0.0, &[0.0, 1.0], 2.0, &SimulationSettings::default()).unwrap();
 /// let stop = run.trajectory.mode_changes()[0].t;
 /// assert!((stop - 1.0 / (0.3 * 9.81)).abs() < 1e-10);
 /// ```
@@ -131,7 +131,7 @@ where
 /// A [`Switched`] system whose signs are taken together as unit vectors.
 ///
 /// ```
-/// use bracketry_sim::{simulate, Closures, Coupled, Settings};
+/// use bracketry_sim::{simulate, Closures, Coupled, SimulationSettings};
 /// // A block slides on a plane: v' = -μ g v/|v|, along a straight line, until it stops at |v|/(μ g).
 /// let block = Closures {
 ///     dim: 2,
@@ -143,7 +143,7 @@ where
 ///     switching: |_t, x: &[f64], sigma: &mut [f64]| sigma.copy_from_slice(x),
 ///     gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g.copy_from_slice(&[1.0, 0.0, 0.0, 1.0]),
 /// };
-/// let run = simulate(Coupled::new(block, vec![2]), 0.0, &[0.3, 0.4], 1.0, &Settings::default()).unwrap();
+/// let run = simulate(Coupled::new(block, vec![2]), 0.0, &[0.3, 0.4], 1.0, &SimulationSettings::default()).unwrap();
 /// let stop = run.trajectory.mode_changes()[0];
 /// assert!((stop.t - 0.5 / (0.3 * 9.81)).abs() < 1e-10);
 /// ```

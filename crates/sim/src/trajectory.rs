@@ -1,6 +1,6 @@
 //! The states of a simulation at any time, and its modes.
 
-use crate::friction::{Mode, ModeChange, ModeInterval};
+use crate::friction::{FrictionMode, ModeChange, ModeInterval};
 use crate::integrate::{Step, interpolate, node_weights};
 
 /// One step's continuous extension.
@@ -20,7 +20,7 @@ pub struct Trajectory {
     end: f64,
     initial_state: Vec<f64>,
     final_state: Vec<f64>,
-    initial_modes: Vec<Mode>,
+    initial_modes: Vec<FrictionMode>,
     pieces: Vec<Piece>,
     /// Five coefficient vectors per piece.
     coefficients: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    pub(crate) fn new(t: f64, x: &[f64], modes: &[Mode]) -> Self {
+    pub(crate) fn new(t: f64, x: &[f64], modes: &[FrictionMode]) -> Self {
         Self {
             dim: x.len(),
             start: t,
@@ -86,7 +86,7 @@ impl Trajectory {
     }
 
     /// What differs between the modes before and after an instant.
-    pub(crate) fn push_mode_changes(&mut self, t: f64, before: &[Mode], after: &[Mode]) {
+    pub(crate) fn push_mode_changes(&mut self, t: f64, before: &[FrictionMode], after: &[FrictionMode]) {
         let both = before.iter().zip(after).enumerate().filter(|(_, (from, to))| from != to);
         self.changes.extend(both.map(|(switch, (&from, &to))| ModeChange { t, switch, from, to }));
     }
@@ -112,7 +112,7 @@ impl Trajectory {
     }
 
     /// The modes of all switches at the start.
-    pub fn initial_modes(&self) -> &[Mode] {
+    pub fn initial_modes(&self) -> &[FrictionMode] {
         &self.initial_modes
     }
 
@@ -171,7 +171,7 @@ impl Trajectory {
     }
 
     /// The mode of switch `switch` at `t` (after the change, at a change).
-    pub fn mode(&self, switch: usize, t: f64) -> Option<Mode> {
+    pub fn mode(&self, switch: usize, t: f64) -> Option<FrictionMode> {
         let before = self.changes.iter().filter(|change| change.switch == switch).take_while(|change| change.t <= t);
         Some(before.last().map_or(*self.initial_modes.get(switch)?, |change| change.to))
     }

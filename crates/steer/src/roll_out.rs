@@ -1,6 +1,6 @@
 //! The motion of the model under given inputs.
 
-use bracketry_sim::{Hold, InputError, Model, Settings, Simulation, simulate};
+use bracketry_sim::{Hold, InputError, Model, Simulation, SimulationSettings, simulate};
 use bracketry_symbolic::StopFlag;
 use bracketry_system::System;
 
@@ -16,7 +16,7 @@ const TIGHT: (f64, f64) = (1e-11, 1e-13);
 pub(crate) struct RollOut {
     model: Model,
     names: Vec<String>,
-    settings: Settings,
+    settings: SimulationSettings,
 }
 
 impl RollOut {
@@ -25,7 +25,7 @@ impl RollOut {
         let zeros = vec![vec![0.0; names.len()]; 2];
         let rest = Signals { times: vec![0.0, 1.0], values: zeros, hold };
         let model = Model::new(system, &rest.inputs(&names)?)?;
-        let mut settings = Settings::default().with_tolerance(TIGHT.0, TIGHT.1);
+        let mut settings = SimulationSettings::default().with_tolerance(TIGHT.0, TIGHT.1);
         settings.max_steps = MAX_STEPS;
         settings.stop = stop.clone();
         Ok(RollOut { model, names, settings })

@@ -46,7 +46,7 @@ pub use function::Function;
 pub use named::Named;
 pub use notation::{Fence, Joint, Notation, Relation};
 pub use parse::{Names, ParseError};
-pub use point::PointError;
+pub use point::EvaluationError;
 pub use pool::{Directed, Expr, Node, Pool, Symbol};
 pub use source::{Language, SourceNames, Statements};
 pub use stop_flag::StopFlag;

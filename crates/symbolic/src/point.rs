@@ -14,7 +14,7 @@ const MAX_TERMS: usize = 20_000;
 
 /// Why an expression has no value, or no Taylor polynomial, at a point.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PointError {
+pub enum EvaluationError {
     /// A quotient or logarithm whose divisor or argument is zero there.
     #[error("`{text}` has no value at this point")]
     NoValue {
@@ -68,7 +68,7 @@ impl Pool {
     /// `e` with values in place of symbols, all at once. Symbols that are not in `point` stay.
     ///
     /// # Errors
-    /// [`PointError::NoValue`] if a divisor or the argument of a logarithm becomes the number 0.
+    /// [`EvaluationError::NoValue`] if a divisor or the argument of a logarithm becomes the number 0.
     ///
     /// ```
     /// # use bracketry_symbolic::Pool;
@@ -80,15 +80,15 @@ impl Pool {
     /// assert!(p.is_one(v));
     /// assert_eq!(p.at(e, &[(y, zero)]).unwrap_err().to_string(), "`1/y` has no value at this point");
     /// ```
-    pub fn at(&mut self, e: Expr, point: &[(Symbol, Expr)]) -> Result<Expr, PointError> {
+    pub fn at(&mut self, e: Expr, point: &[(Symbol, Expr)]) -> Result<Expr, EvaluationError> {
         Ok(self.at_all(&[e], point)?[0])
     }
 
     /// [`Pool::at`] for many expressions, sharing the work.
     ///
     /// # Errors
-    /// [`PointError::NoValue`] if a divisor or the argument of a logarithm becomes the number 0.
-    pub fn at_all(&mut self, roots: &[Expr], point: &[(Symbol, Expr)]) -> Result<Vec<Expr>, PointError> {
+    /// [`EvaluationError::NoValue`] if a divisor or the argument of a logarithm becomes the number 0.
+    pub fn at_all(&mut self, roots: &[Expr], point: &[(Symbol, Expr)]) -> Result<Vec<Expr>, EvaluationError> {
         let values: FxHashMap<Symbol, Expr> = point.iter().copied().collect();
         let mut image: FxHashMap<Expr, Expr> = FxHashMap::default();
         for n in self.reachable(roots) {
@@ -100,7 +100,7 @@ impl Pool {
                 _ => false,
             };
             if missing {
-                return Err(PointError::NoValue { text: self.text(n) });
+                return Err(EvaluationError::NoValue { text: self.text(n) });
             }
             let r = match self.node(n) {
                 Node::Sym(s) => values.get(&s).copied().unwrap_or(n),
@@ -119,7 +119,7 @@ impl Pool {
     /// Walther 2008, chapter 13), so no high derivatives of the whole expression are made.
     ///
     /// # Errors
-    /// [`PointError`] if `e` has no value there, is not smooth there, or the polynomial has too many terms.
+    /// [`EvaluationError`] if `e` has no value there, is not smooth there, or the polynomial has too many terms.
     ///
     /// ```
     /// # use bracketry_symbolic::Pool;
@@ -130,14 +130,14 @@ impl Pool {
     /// let t = p.taylor(e, &[(x, zero), (y, zero)], 2).unwrap();
     /// assert_eq!(p.text(t), "y^2 - 0.5*x^2 + y + 1");
     /// ```
-    pub fn taylor(&mut self, e: Expr, about: &[(Symbol, Expr)], degree: u32) -> Result<Expr, PointError> {
+    pub fn taylor(&mut self, e: Expr, about: &[(Symbol, Expr)], degree: u32) -> Result<Expr, EvaluationError> {
         let variables = about.len();
         let mut count = 1.0;
         for i in 1..=variables {
             count *= (f64::from(degree) + i as f64) / i as f64;
         }
         if count > MAX_TERMS as f64 {
-            return Err(PointError::TooManyTerms { variables, degree });
+            return Err(EvaluationError::TooManyTerms { variables, degree });
         }
         let jet = self.jet(e, about, degree)?;
         let mut deviations = Vec::with_capacity(variables);
@@ -159,7 +159,7 @@ impl Pool {
     }
 
     /// Power series of `e` in the deviations from the point.
-    fn jet(&mut self, e: Expr, about: &[(Symbol, Expr)], degree: u32) -> Result<Jet, PointError> {
+    fn jet(&mut self, e: Expr, about: &[(Symbol, Expr)], degree: u32) -> Result<Jet, EvaluationError> {
         let variables = about.len();
         let mut jets: FxHashMap<Expr, Jet> = FxHashMap::default();
         for n in self.reachable(&[e]) {
@@ -248,11 +248,11 @@ impl Pool {
         exponent: Expr,
         variables: usize,
         degree: u32,
-    ) -> Result<Jet, PointError> {
+    ) -> Result<Jet, EvaluationError> {
         let base = value(self, jet, variables);
         let zero = self.vanishes(base);
         if zero && self.number(exponent).is_some_and(|k| k.sign() == Sign::Negative) {
-            return Err(PointError::NoValue { text: self.text(n) });
+            return Err(EvaluationError::NoValue { text: self.text(n) });
         }
         if is_constant(jet) {
             return Ok(constant(self.pow(base, exponent), variables));
@@ -263,7 +263,7 @@ impl Pool {
             Some(k) if zero && k > i64::from(degree) => return Ok(Jet::new()),
             // Repeated squaring needs no value other than 0.
             Some(k) if zero || k <= i64::from(degree) => k,
-            None if zero => return Err(PointError::NotSmooth { text: self.text(n) }),
+            None if zero => return Err(EvaluationError::NotSmooth { text: self.text(n) }),
             _ => {
                 // t^e = Σ binomial(e, k) base^(e − k) (t − base)^k
                 let mut coefficients = Vec::new();
@@ -300,17 +300,17 @@ impl Pool {
         self.is_zero(e) || (self.number(e).is_none() && self.zero_test(e, &Bindings::new()).is_zero())
     }
 
-    fn jet_call(&mut self, n: Expr, f: Func, jet: &Jet, variables: usize, degree: u32) -> Result<Jet, PointError> {
+    fn jet_call(&mut self, n: Expr, f: Func, jet: &Jet, variables: usize, degree: u32) -> Result<Jet, EvaluationError> {
         let at = value(self, jet, variables);
         let switches = matches!(f, Func::Abs | Func::Sign);
         if f == Func::Log && self.vanishes(at) {
-            return Err(PointError::NoValue { text: self.text(n) });
+            return Err(EvaluationError::NoValue { text: self.text(n) });
         }
         if is_constant(jet) {
             return Ok(constant(self.call(f, at), variables));
         }
         if switches && self.vanishes(at) {
-            return Err(PointError::NotSmooth { text: self.text(n) });
+            return Err(EvaluationError::NotSmooth { text: self.text(n) });
         }
         // The derivatives of the function itself, at the value of its argument.
         let t = self.symbol("\u{2202}");
@@ -320,7 +320,7 @@ impl Pool {
         let mut factorial = self.int(1);
         for k in 0..=i64::from(degree) {
             // asin and acos end steeply at ±1.
-            let v = self.at(derivative, &[(t, at)]).map_err(|_| PointError::NotSmooth { text: self.text(n) })?;
+            let v = self.at(derivative, &[(t, at)]).map_err(|_| EvaluationError::NotSmooth { text: self.text(n) })?;
             coefficients.push(self.mul(v, factorial));
             derivative = self.diff(derivative, t);
             let share = self.ratio(1, k + 1);
@@ -336,7 +336,7 @@ impl Pool {
         (a, b): (&Jet, &Jet),
         variables: usize,
         degree: u32,
-    ) -> Result<Jet, PointError> {
+    ) -> Result<Jet, EvaluationError> {
         let (x, y) = (value(self, a, variables), value(self, b, variables));
         let minus = self.int(-1);
         let negated = |pool: &mut Self, j: &Jet| pool.jet_product(&constant(minus, variables), j, degree);

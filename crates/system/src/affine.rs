@@ -13,7 +13,7 @@ use crate::lowering::{Transformation, lowered};
 use crate::new_input::NewInput;
 use crate::new_state::NewState;
 use crate::range_note::RangeNote;
-use crate::reason::{AffineError, MAX_INPUTS, Reason, Rejection};
+use crate::reason::{AffineError, AffineReason, MAX_INPUTS, Rejection};
 use crate::separation::separated;
 use crate::system::System;
 
@@ -55,7 +55,7 @@ pub struct Affinization {
     /// The affine system.
     pub system: System,
     /// The reason.
-    pub why: Reason,
+    pub why: AffineReason,
     /// All candidates, accepted ones first, by added states and then by simplicity; the one taken among them.
     pub candidates: Vec<Candidate>,
 }
@@ -182,7 +182,7 @@ impl System {
         let arguments = system.input_arguments()?;
         let derivatives = !system.input_derivatives.is_empty();
         if !derivatives && arguments.pairs.is_empty() {
-            let mut c = Candidate::new(Method::None, Reason::Affine);
+            let mut c = Candidate::new(Method::None, AffineReason::Affine);
             c.system = Some(system);
             return Ok((c, Vec::new()));
         }
@@ -249,7 +249,7 @@ fn changes(system: &System, arguments: &Arguments, extra: &[bool]) -> Vec<Candid
                     found.push(c);
                     return found;
                 }
-                Err(why) if size == 0 => found.push(Candidate::new(Method::InputChange, Reason::Rejected(why))),
+                Err(why) if size == 0 => found.push(Candidate::new(Method::InputChange, AffineReason::Rejected(why))),
                 Err(_) => {}
             }
         }
@@ -292,7 +292,7 @@ fn change_after(system: &System, arguments: &Arguments, with: &[bool]) -> Result
     }
     if !integrators.integrators.is_empty() {
         let names = integrators.integrators.keys().cloned().collect();
-        candidate.why = Reason::After { integrators: names, then: Box::new(candidate.why) };
+        candidate.why = AffineReason::After { integrators: names, then: Box::new(candidate.why) };
         candidate.method = Method::InputAugmentation;
         candidate.added_states = integrators.added_states;
         candidate.integrators = integrators.integrators;
@@ -333,7 +333,7 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
             }
         }
         if let Some(why) = reason {
-            rejected.push(Candidate::new(Method::CoordinateChange, Reason::Rejected(why)));
+            rejected.push(Candidate::new(Method::CoordinateChange, AffineReason::Rejected(why)));
         }
     }
     if least < most
@@ -343,7 +343,7 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
         let mut c = augment(&best, &arguments, &extra, &vec![false; extra.len()]);
         c.method = Method::CoordinateChange;
         c.coordinate_change = change.states(&best.pool);
-        c.why = Reason::NewStates { states: c.coordinate_change.clone(), integrators: least, instead_of: most };
+        c.why = AffineReason::NewStates { states: c.coordinate_change.clone(), integrators: least, instead_of: most };
         c.certificate = checks.certificate;
         if let Some(s) = &mut c.system {
             s.name = format!("{}_affine", system.name);

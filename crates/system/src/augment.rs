@@ -9,7 +9,7 @@ use crate::candidate::{Candidate, Method};
 use crate::input_change::fresh;
 use crate::new_input::{AtPoint, NewInput};
 use crate::range::Range;
-use crate::reason::{Nonlinearity, Reason};
+use crate::reason::{AffineReason, Nonlinearity};
 use crate::system::{InputDerivative, Point, System};
 
 /// What is known of the inputs of a system before it is made affine.
@@ -120,7 +120,7 @@ fn derivatives_as_inputs(system: &mut System, arguments: &Arguments, taken: &[bo
         .collect()
 }
 
-fn taken_reason(original: &System, arguments: &Arguments, taken: &[bool]) -> Reason {
+fn taken_reason(original: &System, arguments: &Arguments, taken: &[bool]) -> AffineReason {
     let derivatives = arguments
         .highest
         .iter()
@@ -128,7 +128,7 @@ fn taken_reason(original: &System, arguments: &Arguments, taken: &[bool]) -> Rea
         .filter(|(_, t)| **t)
         .map(|(h, _)| original.pool.name(h.1).to_owned())
         .collect();
-    Reason::LoneDerivatives { derivatives }
+    AffineReason::LoneDerivatives { derivatives }
 }
 
 /// The inputs for which only one derivative occurs anywhere, not the input itself nor another of its derivatives.
@@ -145,7 +145,7 @@ pub(crate) fn lone_derivatives(system: &System, arguments: &Arguments) -> Vec<bo
         .collect()
 }
 
-fn reason(original: &System, augmented: &System, arguments: &Arguments, extra: &[bool], total: u32) -> Reason {
+fn reason(original: &System, augmented: &System, arguments: &Arguments, extra: &[bool], total: u32) -> AffineReason {
     let name = |i: usize| original.pool.name(original.inputs[i]).to_owned();
     let mut causes = Vec::new();
     for (i, h) in arguments.highest.iter().enumerate() {
@@ -163,5 +163,5 @@ fn reason(original: &System, augmented: &System, arguments: &Arguments, extra: &
             });
         }
     }
-    Reason::Integrators { causes, total, inputs: augmented.input_names() }
+    AffineReason::Integrators { causes, total, inputs: augmented.input_names() }
 }

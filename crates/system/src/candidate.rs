@@ -10,7 +10,7 @@ use crate::new_input::{AtPoint, NewInput};
 use crate::new_state::NewState;
 use crate::range::{Bound, Range};
 use crate::range_note::RangeNote;
-use crate::reason::Reason;
+use crate::reason::AffineReason;
 use crate::singular::SingularSet;
 use crate::system::{InputRange, System};
 
@@ -75,11 +75,11 @@ pub struct Candidate {
     /// `None` where it is so term by term.
     pub certificate: Option<Certificate>,
     /// The reason for it, or for its rejection.
-    pub why: Reason,
+    pub why: AffineReason,
 }
 
 impl Candidate {
-    pub(crate) fn new(method: Method, why: Reason) -> Self {
+    pub(crate) fn new(method: Method, why: AffineReason) -> Self {
         Candidate {
             method,
             chosen: false,

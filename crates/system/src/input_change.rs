@@ -11,7 +11,7 @@ use crate::images::{flattened, input_domain, number};
 use crate::inverse::inverse;
 use crate::new_input::{AtPoint, NewInput};
 use crate::range::{Bound, Range, image, range};
-use crate::reason::{Reason, Rejection};
+use crate::reason::{AffineReason, Rejection};
 use crate::singular::singular_set;
 use crate::system::System;
 
@@ -377,8 +377,8 @@ fn inside_ranges(system: &System) -> bool {
     })
 }
 
-fn reason(pool: &Pool, inputs: &[NewInput]) -> Reason {
+fn reason(pool: &Pool, inputs: &[NewInput]) -> AffineReason {
     let is_new = |v: &&NewInput| !matches!(pool.node(v.function), Node::Sym(s) if pool.name(s) == v.name);
     let changed = |v: &NewInput| (v.name.clone(), Function::new(pool, v.function), v.values.clone());
-    Reason::NewInputs { functions: inputs.len(), changed: inputs.iter().filter(is_new).map(changed).collect() }
+    AffineReason::NewInputs { functions: inputs.len(), changed: inputs.iter().filter(is_new).map(changed).collect() }
 }

@@ -4,7 +4,7 @@ use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
 use crate::candidate::{Candidate, Method};
-use crate::reason::Reason;
+use crate::reason::AffineReason;
 use crate::system::{InputDelay, System};
 use bracketry_files::{Document, FileError, Table};
 
@@ -79,7 +79,7 @@ impl Candidate {
         system.input_delays = delays;
         if !inexact.is_empty() {
             let then = Box::new(self.why.clone());
-            self.why = Reason::WithoutDelays { functions: inexact, then };
+            self.why = AffineReason::WithoutDelays { functions: inexact, then };
         }
     }
 }

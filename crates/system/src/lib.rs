@@ -77,7 +77,7 @@ pub use point_text::{PointError, point};
 pub use range::{Bound, Range};
 pub use range_note::RangeNote;
 pub use readable::{counted, readable};
-pub use reason::{AffineError, Nonlinearity, Reason, Rejection};
+pub use reason::{AffineError, AffineReason, Nonlinearity, Rejection};
 pub use rules::{ModelError, RESERVED};
 pub use single_valued::SingleValued;
 pub use singular::{Level, SingularSet};

@@ -12,7 +12,7 @@ use crate::unknown_range::UnknownRange;
 
 /// What is said for a candidate.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Reason {
+pub enum AffineReason {
     /// The right-hand side is affine in the inputs as it stands.
     Affine,
     /// The equations depend on the inputs through independent functions.
@@ -41,7 +41,7 @@ pub enum Reason {
         /// These inputs.
         integrators: Vec<String>,
         /// What holds then.
-        then: Box<Reason>,
+        then: Box<AffineReason>,
     },
     /// New states save integrators.
     NewStates {
@@ -57,7 +57,7 @@ pub enum Reason {
         /// Functions of inputs after their delays.
         functions: Vec<String>,
         /// What holds besides.
-        then: Box<Reason>,
+        then: Box<AffineReason>,
     },
     /// The candidate is rejected.
     Rejected(Rejection),
@@ -246,11 +246,11 @@ impl fmt::Display for Nonlinearity {
     }
 }
 
-impl fmt::Display for Reason {
+impl fmt::Display for AffineReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Reason::Affine => f.write_str("the right-hand side is already affine in the inputs"),
-            Reason::NewInputs { functions, changed } => {
+            AffineReason::Affine => f.write_str("the right-hand side is already affine in the inputs"),
+            AffineReason::NewInputs { functions, changed } => {
                 let shown = changed.iter().map(|(name, function, values)| {
                     let limits = values.text(name).map_or(String::new(), |l| format!(" ({l})"));
                     format!("{name} = {}{limits}", function.text())
@@ -262,12 +262,12 @@ impl fmt::Display for Reason {
                     shown.collect::<Vec<_>>().join(", ")
                 )
             }
-            Reason::LoneDerivatives { derivatives } => write!(
+            AffineReason::LoneDerivatives { derivatives } => write!(
                 f,
                 "the equations use {} only, which can itself serve as an input; its antiderivative is dropped",
                 derivatives.join(", ")
             ),
-            Reason::Integrators { causes, total, inputs } => write!(
+            AffineReason::Integrators { causes, total, inputs } => write!(
                 f,
                 "{}; with {}, {} affinely{}",
                 causes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
@@ -279,26 +279,26 @@ impl fmt::Display for Reason {
                 },
                 if *total > 1 { ", and fewer integrators alone do not suffice" } else { "" }
             ),
-            Reason::After { integrators, then } => {
+            AffineReason::After { integrators, then } => {
                 write!(f, "with integrators in front of {}, {then}", integrators.join(", "))
             }
-            Reason::NewStates { states, integrators, instead_of } => write!(
+            AffineReason::NewStates { states, integrators, instead_of } => write!(
                 f,
                 "with the states {}, the inputs need {} instead of {instead_of}",
                 definitions(states),
                 counted(*integrators, "integrator", "integrators")
             ),
-            Reason::WithoutDelays { functions, then } => write!(
+            AffineReason::WithoutDelays { functions, then } => write!(
                 f,
                 "{then}; functions of inputs after their delays, which the affine system does not have, are {}",
                 functions.join(", ")
             ),
-            Reason::Rejected(why) => write!(f, "{why}"),
+            AffineReason::Rejected(why) => write!(f, "{why}"),
         }
     }
 }
 
-impl Serialize for Reason {
+impl Serialize for AffineReason {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }

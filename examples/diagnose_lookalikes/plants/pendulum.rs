@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use bracketry::diagnose::Cause;
-use bracketry::sim::{ExactPlant, Settings};
+use bracketry::sim::{ExactPlant, SimulationSettings};
 use bracketry::system::System;
 use rand::RngExt;
 use rand::rngs::StdRng;
@@ -37,7 +37,7 @@ pub(super) fn free(random: &mut StdRng) -> Drawn {
     let mut run = |duration: f64| {
         let dt = 5e-3;
         let x0 = [between(random, 1.0, 2.2), 0.0];
-        let mut plant = ExactPlant::new(&plant, &x0, &Settings::default()).unwrap();
+        let mut plant = ExactPlant::new(&plant, &x0, &SimulationSettings::default()).unwrap();
         let (mut encoder, mut draught) = (Encoder::new(TAU / 4096.0, dt), Colored::new(0.01, 5.0, dt));
         let mut table = Table::new("t,th");
         for k in 0..(duration / dt) as usize {
@@ -63,7 +63,7 @@ pub(super) fn driven(random: &mut StdRng) -> Drawn {
         let sines: Vec<[f64; 3]> = (0..6)
             .map(|_| [between(random, 0.15, 0.45), between(random, 0.15, 1.6), between(random, 0.0, TAU)])
             .collect();
-        let mut plant = ExactPlant::new(&plant, &[0.0, 0.0], &Settings::default()).unwrap();
+        let mut plant = ExactPlant::new(&plant, &[0.0, 0.0], &SimulationSettings::default()).unwrap();
         let (mut encoder, mut unlogged) = (Encoder::new(TAU / 8192.0, dt), Colored::new(0.005, 50.0, dt));
         let mut table = Table::new("t,th,tau");
         for k in 0..(duration / dt) as usize {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use bracketry::sim::{ExactPlant, Settings};
+use bracketry::sim::{ExactPlant, SimulationSettings};
 use bracketry::system::System;
 use rand::rngs::StdRng;
 
@@ -76,7 +76,7 @@ impl Servo<'_> {
     /// Runs and returns the log.
     pub(super) fn run(&self, random: &mut StdRng) -> String {
         let axes = self.axes.len();
-        let mut plant = ExactPlant::new(self.plant, &vec![0.0; 2 * axes], &Settings::default()).unwrap();
+        let mut plant = ExactPlant::new(self.plant, &vec![0.0; 2 * axes], &SimulationSettings::default()).unwrap();
         let mut moves: Vec<Moves> =
             self.axes.iter().map(|_| Moves { from: 0.0, to: 0.0, begin: -1.0, end: -0.5 }).collect();
         let mut encoders: Vec<Encoder> = self.axes.iter().map(|a| Encoder::new(a.step, self.dt)).collect();

@@ -1,6 +1,6 @@
 //! Random systems whose answers are known by construction: they are proved, or unknown; wrong systems are never proved.
 
-use bracketry_certify::{Certification, Claim, Conclusion, Find, Flaw, Options, certify};
+use bracketry_certify::{Certification, CertifyOptions, Claim, Conclusion, Find, Flaw, certify};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -11,7 +11,7 @@ fn found(dynamics: &[String], more: &str, find: &[Find]) -> Certification {
     let list: Vec<String> = dynamics.iter().enumerate().map(|(i, e)| format!("x{i} = '{e}'")).collect();
     let text = format!("states = [{}]\n{more}\ndynamics = {{ {} }}\n", states.join(", "), list.join(", "));
     let system = System::parse("m", &text).unwrap();
-    certify(&system, &Options { find: find.to_vec(), ..Options::default() }).unwrap()
+    certify(&system, &CertifyOptions { find: find.to_vec(), ..CertifyOptions::default() }).unwrap()
 }
 
 fn number(rng: &mut StdRng) -> i32 {

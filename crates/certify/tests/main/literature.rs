@@ -1,11 +1,13 @@
 //! Systems of the literature with known answers.
 
-use bracketry_certify::{Certification, Claim, Conclusion, Find, Options, Reason, certify, with_feedback};
+use bracketry_certify::{
+    CertificateReason, Certification, CertifyOptions, Claim, Conclusion, Find, certify, with_feedback,
+};
 use bracketry_system::System;
 
 fn found(model: &str, find: &[Find], degree: u32) -> Certification {
     let system = System::parse("m", model).unwrap();
-    let found = certify(&system, &Options { find: find.to_vec(), degree, ..Options::default() }).unwrap();
+    let found = certify(&system, &CertifyOptions { find: find.to_vec(), degree, ..CertifyOptions::default() }).unwrap();
     let all = [&found.lyapunov, &found.region, &found.passivity];
     for proof in all.into_iter().flatten().filter_map(|f| f.proof()) {
         assert_eq!(proof.certificate.verify(), Ok(proof.conclusion));
@@ -138,7 +140,10 @@ fn a_single_damper_stops_all_masses() {
 fn unstable_systems_are_refuted() {
     let found = found("states = ['x', 'y']\ndynamics = { x = 'x + y', y = '-y' }", &[Find::Lyapunov, Find::Region], 4);
     for finding in [found.lyapunov.unwrap(), found.region.unwrap()] {
-        assert!(matches!(finding, bracketry_certify::Finding::NotProved(Reason::Unstable { eigenvalues: 1 })));
+        assert!(matches!(
+            finding,
+            bracketry_certify::Finding::NotProved(CertificateReason::Unstable { eigenvalues: 1 })
+        ));
     }
 }
 
@@ -147,7 +152,7 @@ fn feedback_closes_the_loop_at_a_shifted_point() {
     let model = "states = ['x']\ninputs = ['u']\ndynamics = { x = 'x^2 + u' }\npoint = { x = 1, u = -1 }";
     let closed =
         with_feedback(&System::parse("m", model).unwrap(), &["u=-x^2 - (x - 1)^3 - (x - 1)".to_owned()]).unwrap();
-    let found = certify(&closed, &Options::default()).unwrap();
+    let found = certify(&closed, &CertifyOptions::default()).unwrap();
     assert_eq!(conclusion(&found), Some(Conclusion::GloballyAsymptoticallyStable));
     let proof = found.lyapunov.unwrap();
     assert!(matches!(proof.proof().unwrap().certificate.claim, Claim::Lyapunov { .. }));
@@ -159,11 +164,11 @@ fn delays_and_ranges_of_a_feedback_are_respected() {
     let with = |more: &str| {
         let model = format!("states = ['x']\ninputs = ['u']\n{more}\ndynamics = {{ x = 'x + u' }}");
         let closed = with_feedback(&System::parse("m", &model).unwrap(), &["u=-2*x".to_owned()]).unwrap();
-        certify(&closed, &Options { find: vec![Find::Lyapunov], ..Options::default() }).unwrap()
+        certify(&closed, &CertifyOptions { find: vec![Find::Lyapunov], ..CertifyOptions::default() }).unwrap()
     };
     assert_eq!(conclusion(&with("")), Some(Conclusion::GloballyAsymptoticallyStable));
     let delayed = with("delays = { u = 0.1 }");
-    assert!(matches!(delayed.not_polynomial, Some(Reason::InputDelay { .. })), "{delayed:?}");
+    assert!(matches!(delayed.not_polynomial, Some(CertificateReason::InputDelay { .. })), "{delayed:?}");
     assert_eq!(with("ranges = { u = { min = -1, max = 1 } }").ignored_ranges, ["u"]);
 }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::Context;
 use bracketry::Analysis;
 use bracketry::lie::{
-    IdentifiabilityOptions, ObservabilityReport, Options, ParameterOptions, ParameterRange, identifiability,
+    AnalysisOptions, IdentifiabilityOptions, ObservabilityReport, ParameterOptions, ParameterRange, identifiability,
     parameter_cases, parameter_map,
 };
 use bracketry::report::analysis as report;
@@ -132,11 +132,11 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
     if let Some(at) = &args.at {
         system.point = Some(bracketry::point(&mut system, at).context("--at")?);
     }
-    let options = Options {
+    let options = AnalysisOptions {
         brackets: args.brackets.clone(),
         determined: args.determines.clone(),
         time_limit: Some(args.time_limit),
-        ..Options::default()
+        ..AnalysisOptions::default()
     };
     let progress = spinner("brackets and ranks");
     let analysis = bracketry::analyze(&system, &options).with_context(|| args.model.display().to_string())?;

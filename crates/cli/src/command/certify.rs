@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context;
-use bracketry::certify::{Certificate, Certification, Find, Options, certify, check, portrait, with_feedback};
+use bracketry::certify::{Certificate, Certification, CertifyOptions, Find, certify, check, portrait, with_feedback};
 use bracketry::report::certificates::{certification_json, certification_text, check_text, region_figure};
 use bracketry::system::{System, point};
 use clap::{Args, ValueEnum};
@@ -77,7 +77,7 @@ impl CertifyArgs {
         with_feedback(&system, &self.with).with_context(|| format!("{path}: --with {}", self.with.join(" --with ")))
     }
 
-    fn options(&self, system: &System) -> anyhow::Result<Options> {
+    fn options(&self, system: &System) -> anyhow::Result<CertifyOptions> {
         anyhow::ensure!(
             self.time_limit.is_finite() && self.time_limit > 0.0 && self.time_limit < 1e9,
             "--time-limit {}: give a positive number of seconds",
@@ -98,7 +98,7 @@ impl CertifyArgs {
             }
         }
         let time_limit = Some(Duration::from_secs_f64(self.time_limit));
-        Ok(Options { find, degree: self.degree, time_limit, ..Options::default() })
+        Ok(CertifyOptions { find, degree: self.degree, time_limit, ..CertifyOptions::default() })
     }
 
     /// Indices of the states of the picture; none for a model with one state.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    Record, RecordSettings, Report, Settings, StudySettings, Verdict, diagnose, read_record, reference_candidates,
+    DiagnosisSettings, Record, RecordSettings, Report, StudySettings, Verdict, diagnose, read_record,
+    reference_candidates,
 };
 use bracketry::lie::RankChange;
 use bracketry::sim::Hold;
@@ -61,10 +62,10 @@ pub(crate) struct DiagnoseArgs {
     #[arg(long, value_name = "MODEL2")]
     reference: Option<PathBuf>,
     /// Largest number of causes named together
-    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().max_causes)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = DiagnosisSettings::default().max_causes)]
     max_causes: usize,
     /// Seed for resampling
-    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().seed, value_parser = seed)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = DiagnosisSettings::default().seed, value_parser = seed)]
     seed: u64,
 }
 
@@ -101,7 +102,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
         paths.iter().map(|path| read_record(path, &system, &reading)).collect()
     };
     let (records, validate) = (read(&args.data)?, read(&args.validate)?);
-    let settings = Settings {
+    let settings = DiagnosisSettings {
         study: StudySettings { window: args.window, fixed: args.fix.clone(), ..StudySettings::default() },
         max_causes: args.max_causes,
         seed: args.seed,
@@ -110,7 +111,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
                 .with_context(|| format!("--reference {}", path.display()))?,
             None => Vec::new(),
         },
-        ..Settings::default()
+        ..DiagnosisSettings::default()
     };
     let report =
         diagnose(&system, &records, &validate, &settings, &mut |stage| progress.set_message(stage.to_string()))?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use bracketry::report::simulation;
-use bracketry::sim::{Hold, SampledScenario, Scenario, ScenarioRun, Settings};
+use bracketry::sim::{Hold, SampledScenario, Scenario, ScenarioRun, SimulationSettings};
 use bracketry::system::{Accepted, System};
 use clap::{Args, ValueEnum};
 
@@ -93,7 +93,10 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
         (None, None) => anyhow::bail!(nothing_given(&args.model)),
     };
     let progress = spinner("simulating");
-    let run = given.scenario.run(&system, &Settings::default()).with_context(|| args.model.display().to_string())?;
+    let run = given
+        .scenario
+        .run(&system, &SimulationSettings::default())
+        .with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();
     let mut drawn = false;
     if let Some(dir) = &output.out {

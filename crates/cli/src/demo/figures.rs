@@ -2,8 +2,8 @@
 
 use bracketry::plate::{AreaOutcome, RESOLUTION, target_of};
 use bracketry::plot::{
-    Animation, Color, Dash, Drawing, Interval, Panel, PlanView, PlotError, Pose, Role, Scene, Series, Snapshot,
-    TimeSeries, Trajectory,
+    Animation, Color, Dash, Drawing, Interval, Panel, PlanView, PlotError, Pose, RecordedMotion, Role, Scene, Series,
+    Snapshot, TimeSeries,
 };
 use bracketry::report::plate::outline;
 use rayon::prelude::*;
@@ -50,8 +50,8 @@ impl Columns {
         Series::new(name, self.t.clone(), self.x[k].iter().map(|v| v * scale).collect::<Vec<_>>())
     }
 
-    fn path(&self, name: &str) -> Trajectory {
-        Trajectory::new(name, self.t.clone(), self.x[0].clone(), self.x[1].clone(), self.x[2].clone())
+    fn path(&self, name: &str) -> RecordedMotion {
+        RecordedMotion::new(name, self.t.clone(), self.x[0].clone(), self.x[1].clone(), self.x[2].clone())
     }
 }
 

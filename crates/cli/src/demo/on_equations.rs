@@ -2,7 +2,7 @@
 
 use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
 use bracketry::plate::{AmplitudeStep, Arrival, Experiment, Shape, TwoStep, plate_move, published, two_step};
-use bracketry::sim::Settings;
+use bracketry::sim::SimulationSettings;
 
 use super::loop_conditions::{measured, programs_of};
 use super::settings::{StoryError, StorySettings};
@@ -94,5 +94,5 @@ fn published_method(shape: &Shape, mu: f64, problem: &ControlProblem) -> Result<
     let stages = [Experiment::orientation().with_reversed_tilt(), along_x, Experiment::translation_y()];
     // x, y, phi, vx, vy, w: the affine model's states without those of the plate.
     let start = &problem.x0[..6];
-    Ok(two_step(&published(shape, mu)?, &stages, start, STAGE_LIMIT, &Settings::default())?)
+    Ok(two_step(&published(shape, mu)?, &stages, start, STAGE_LIMIT, &SimulationSettings::default())?)
 }

@@ -1,6 +1,6 @@
 //! How the story is told, and what can go wrong.
 
-use bracketry::diagnose::{DiagnoseError, Settings};
+use bracketry::diagnose::{DiagnoseError, DiagnosisSettings};
 use bracketry::lie::AnalysisError;
 use bracketry::mpc::ControlError;
 use bracketry::mpc::MpcError;
@@ -19,14 +19,14 @@ pub struct StorySettings {
     /// Samples after the move in which object and plate must stay at rest.
     pub rest_samples: usize,
     /// How the logs are diagnosed.
-    pub diagnosis: Settings,
+    pub diagnosis: DiagnosisSettings,
 }
 
 impl Default for StorySettings {
     /// The reference disk with friction 0.3; logs of 8 s at 200 Hz with noise of 0.5 mm and 0.3°; up to seven causes from windows of
     /// 0.5 s; 0.6 s of rest.
     fn default() -> Self {
-        let mut diagnosis = Settings { max_causes: 7, ..Settings::default() };
+        let mut diagnosis = DiagnosisSettings { max_causes: 7, ..DiagnosisSettings::default() };
         diagnosis.study.window = Some(0.5);
         Self { plant: RecordingSettings::default(), seconds: 8.0, seed: 1_000_003, rest_samples: 30, diagnosis }
     }

@@ -4,7 +4,7 @@ use std::thread;
 use std::time::Instant;
 
 use bracketry::diagnose::{Report, Role, diagnose};
-use bracketry::lie::{Analysis, Options, RankChange, analyze};
+use bracketry::lie::{Analysis, AnalysisOptions, RankChange, analyze};
 use bracketry::plate::{Object, Shape, move_with, published};
 use bracketry::report::{Diagnosis, diagnosis_text};
 use bracketry::system::System;
@@ -55,7 +55,7 @@ impl Story {
         let (ranks, extended_analysis, extended) = thread::scope(|beside| {
             let moved = extended_model
                 .map(|model| beside.spawn(|| MoveOnPlant::run("extended model", model, &adjusted, settings)));
-            let dimensions = Options { flatness: false, ..Options::default() };
+            let dimensions = AnalysisOptions { flatness: false, ..AnalysisOptions::default() };
             let extended_analysis = extended_model.and_then(|m| analyze(m, &dimensions).ok());
             let ranks = extended_analysis.as_ref().and_then(|extended| RankChange::between(&analysis, extended));
             watch(StoryEvent::Told(&text::of_ranks(ranks.as_ref(), extended_model.is_some())));
@@ -94,7 +94,7 @@ fn on_published(
 ) -> Result<(Analysis, MoveOnEquations, MoveOnPlant), StoryError> {
     watch(StoryEvent::Told(text::FIRST));
     watch(StoryEvent::Working(1, "brackets and ranks"));
-    let analysis = analyze(model, &Options::default())?;
+    let analysis = analyze(model, &AnalysisOptions::default())?;
     watch(StoryEvent::Told(&bracketry::report::analysis::text(&analysis)));
     watch(StoryEvent::Found(Finding::Analysis(&analysis)));
 

@@ -11,7 +11,7 @@ use crate::common::{
     known_answers::{cases, differences},
     scratch,
 };
-use bracketry::lie::Options;
+use bracketry::lie::AnalysisOptions;
 use bracketry::system::System;
 use serde_json::{Value, json};
 
@@ -24,7 +24,11 @@ fn expect_no_differences(analyze: &mut crate::common::known_answers::Analyze<'_>
 fn the_library_gives_the_answers_of_the_literature() {
     expect_no_differences(&mut |model, brackets, determined| {
         let system = System::parse("case.toml", model).unwrap();
-        let options = Options { brackets: brackets.to_vec(), determined: determined.to_vec(), ..Options::default() };
+        let options = AnalysisOptions {
+            brackets: brackets.to_vec(),
+            determined: determined.to_vec(),
+            ..AnalysisOptions::default()
+        };
         serde_json::to_value(bracketry::report::analysis::json(&bracketry::analyze(&system, &options).unwrap()))
             .unwrap()
     });
@@ -94,7 +98,7 @@ fn a_wrong_answer_and_an_unknown_key_are_seen() {
     let mut analyze = |model: &str, _: &[String], _: &[String]| {
         let system = System::parse("case.toml", model).unwrap();
         serde_json::to_value(bracketry::report::analysis::json(
-            &bracketry::analyze(&system, &Options::default()).unwrap(),
+            &bracketry::analyze(&system, &AnalysisOptions::default()).unwrap(),
         ))
         .unwrap()
     };

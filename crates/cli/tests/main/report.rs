@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::common::{bracketry, code, file, model, scratch, stdout};
-use bracketry::lie::Options;
+use bracketry::lie::AnalysisOptions;
 use bracketry::system::System;
 
 /// The formulas between dollar signs; the text must close what it opens.
@@ -160,7 +160,8 @@ fn signs_with_a_meaning_in_markdown_are_escaped() {
     let text = "name = 'a_b*c'\nstates = ['x_1']\ninputs = ['u']\n[parameters]\nk = { value = 2, about = 'a | b' }\n\
                 [dynamics]\nx_1 = 'k*u'";
     let system = System::parse("m", text).unwrap();
-    let markdown = bracketry::report::analysis::markdown(&bracketry::analyze(&system, &Options::default()).unwrap());
+    let markdown =
+        bracketry::report::analysis::markdown(&bracketry::analyze(&system, &AnalysisOptions::default()).unwrap());
     assert!(markdown.starts_with("# Analysis of a\\_b\\*c\n"), "{markdown}");
     assert!(markdown.contains("a \\| b"));
     assert!(markdown.contains("\\dot{x_{1}}"));

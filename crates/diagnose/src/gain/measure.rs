@@ -10,7 +10,7 @@ use super::report::Gain;
 use super::trial::Trial;
 use crate::error::DiagnoseError;
 use crate::record::Record;
-use crate::settings::{EquationSettings, GainSettings, PredictionSettings, Settings, StudySettings};
+use crate::settings::{DiagnosisSettings, EquationSettings, GainSettings, PredictionSettings, StudySettings};
 use crate::study::{Fit, Linearization, Study, Window};
 
 /// The refitted and the extended model with their least-squares problems, both over all windows of a study.
@@ -47,7 +47,7 @@ pub fn measure_gain(
     study: &Study,
     fitted: &Fitted<'_>,
     validate: &[Record],
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<Option<(Gain, HeldOut)>, DiagnoseError> {
     let window = typical_window(study);
     let GainSettings { predictions, equations, .. } = &settings.gain;

@@ -6,7 +6,7 @@ use crate::error::DiagnoseError;
 use crate::extend::ExtendedModel;
 use crate::gain::{Fitted, bootstrap, measure_gain};
 use crate::record::Record;
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 use crate::study::{Estimate, Fit, Linearization, Study};
 
 /// The fits of a report, to all windows of the study.
@@ -31,7 +31,7 @@ impl Report {
         study: &Study,
         fits: Fits<'_>,
         validate: &[Record],
-        settings: &Settings,
+        settings: &DiagnosisSettings,
     ) -> Result<(), DiagnoseError> {
         let Fits { refitted, extended, width } = fits;
         let all: Vec<usize> = (0..study.windows().len()).collect();
@@ -112,7 +112,7 @@ pub(crate) struct Intervals {
 
 /// The intervals of the values of a fit, by its linearized problem. `width` is the factor by which correlation within windows widens
 /// standard deviations.
-pub(crate) fn intervals(fit: &Fit, at: &Linearization, width: f64, settings: &Settings) -> Intervals {
+pub(crate) fn intervals(fit: &Fit, at: &Linearization, width: f64, settings: &DiagnosisSettings) -> Intervals {
     let hardly = hardly_told(fit, at, width, settings.study.priors.unidentified_share);
     let mut of_values = vec![None; fit.values.len()];
     let mut alike = Vec::new();

@@ -6,7 +6,7 @@ use bracketry_symbolic::Named;
 use serde::Serialize;
 
 use super::note::{Closeness, Flag, Note};
-use super::reason::Reason;
+use super::reason::VerdictReason;
 use super::regime::Regime;
 use crate::effect::Cause;
 use crate::effort::Effort;
@@ -179,7 +179,7 @@ pub struct Report {
     /// How it ended.
     pub verdict: Verdict,
     /// Why.
-    pub reason: Reason,
+    pub reason: VerdictReason,
     /// What the model lacks, the most important first.
     pub causes: Vec<NamedCause>,
     /// Where the refitted model is wrong, the largest share first.

@@ -12,5 +12,5 @@ pub use diagnosis::{
     Verdict,
 };
 pub use note::{Closeness, Flag, Note, Repetition, Rescaling, ScaledColumn};
-pub use reason::{Caveat, Mispredicted, NoMotion, OtherHold, Outcome, Reason};
+pub use reason::{Caveat, Mispredicted, NoMotion, OtherHold, Outcome, VerdictReason};
 pub use regime::Regime;

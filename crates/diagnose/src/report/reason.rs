@@ -6,7 +6,7 @@ use crate::effect::Cause;
 
 /// Why a diagnosis ended with its verdict.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reason {
+pub struct VerdictReason {
     /// How the search for causes ended.
     pub outcome: Outcome,
     /// What speaks against it.

@@ -36,7 +36,7 @@ use crate::effect::Effect;
 
 settings! {
     /// Settings of a diagnosis.
-    Settings {
+    DiagnosisSettings {
         /// Windows and fits.
         study: StudySettings = StudySettings::default(),
         /// Values at which candidates are tried.

@@ -8,7 +8,7 @@ use super::window::{Window, stretches};
 use crate::effect::Path;
 use crate::error::DiagnoseError;
 use crate::record::{Quantity, Record};
-use bracketry_sim::{Model, Outcome, Settings, Stepper};
+use bracketry_sim::{Model, Outcome, SimulationSettings, Stepper};
 
 /// Why a window cannot be simulated.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +103,7 @@ impl<'a> Runner<'a> {
         let model = compiled.models[window.record].clone();
         let t0 = record.times[window.from];
         let solver = &compiled.settings.solver;
-        let mut settings = Settings::default().with_tolerance(solver.tolerance.0, solver.tolerance.1);
+        let mut settings = SimulationSettings::default().with_tolerance(solver.tolerance.0, solver.tolerance.1);
         settings.max_steps = solver.most_steps;
         settings.stop = compiled.stop.clone();
         let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;

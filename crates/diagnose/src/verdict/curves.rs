@@ -8,7 +8,7 @@ use super::explanation::Explanation;
 use super::held_out::window_length;
 use super::hold::free_inputs;
 use crate::report::Note;
-use crate::settings::{Settings, SignalSettings};
+use crate::settings::{DiagnosisSettings, SignalSettings};
 use crate::{DiagnoseError, Record, Study, StudySettings};
 
 /// The records with curves in place of straight lines through the samples of the inputs, where `explanation` leaves more than
@@ -18,7 +18,7 @@ pub(super) fn curved_where_better(
     system: &System,
     study: &Study,
     explanation: &Explanation,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<Option<(Vec<Record>, Note)>, DiagnoseError> {
     if explanation.alarm.p_value >= settings.significance {
         return Ok(None);

@@ -27,7 +27,7 @@ use super::{periods, scale, write};
 use crate::effort::Counter;
 use crate::library::{candidates, dictionary};
 use crate::report::{Caveat, Fits, Note};
-use crate::settings::{SearchSettings, Settings};
+use crate::settings::{DiagnosisSettings, SearchSettings};
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
@@ -44,7 +44,7 @@ pub fn diagnose(
     system: &System,
     records: &[Record],
     validate: &[Record],
-    settings: &Settings,
+    settings: &DiagnosisSettings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     let started = Instant::now();
@@ -67,7 +67,7 @@ fn examined(
     system: &System,
     data: Distinct,
     lines: bool,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
     counter: &Counter,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
@@ -164,7 +164,7 @@ fn weigh(
     search: &mut Search<'_>,
     base: &Explanation,
     mut now: Chosen,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Chosen, DiagnoseError> {
     let mut among: Vec<usize> = (0..search.candidates.len()).collect();
@@ -232,7 +232,7 @@ fn written(
     search: &mut Search<'_>,
     findings: &Findings,
     validate: &[Record],
-    settings: &Settings,
+    settings: &DiagnosisSettings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     let mut report = write::report(system, search, findings, settings);
@@ -261,7 +261,7 @@ fn add_caveats(
     search: &Search<'_>,
     findings: &Findings,
     validate: &[Record],
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<(), DiagnoseError> {
     let records = search.study.records();
     let (still, _) = still(records, settings.verdict.alarm.motion_spread);
@@ -304,7 +304,7 @@ impl<'a> Attempt<'a> {
         study: &'a Study,
         near: Option<&Fit>,
         library: &[Effect],
-        settings: &'a Settings,
+        settings: &'a DiagnosisSettings,
         progress: &mut dyn FnMut(Stage),
     ) -> Result<Self, DiagnoseError> {
         let limits = &settings.verdict;
@@ -323,7 +323,7 @@ impl<'a> Attempt<'a> {
         let base = search.nothing(fit);
         let patient = near.is_some() || settings.study.window.is_some();
         // Three causes at once are left to the windows that suit what remains.
-        let brief = Settings { max_causes: settings.max_causes.min(2), ..settings.clone() };
+        let brief = DiagnosisSettings { max_causes: settings.max_causes.min(2), ..settings.clone() };
         let settings = if patient { settings } else { &brief };
         let selection = if patient || within_reach(&mut search, &base, &named)? {
             select(&mut search, &base, &named, settings, progress)?
@@ -375,7 +375,7 @@ fn ending(
     base: &Explanation,
     chosen: &Explanation,
     (refuted, refused): (Option<f64>, Option<f64>),
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Ending {
     let share = share(base, chosen);
     if chosen.members.is_empty() {

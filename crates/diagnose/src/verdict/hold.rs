@@ -9,7 +9,7 @@ use super::findings::Findings;
 use super::held_out::{thinned, window_length};
 use super::search::Search;
 use crate::report::{Flag, NamedCause, OtherHold};
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 use crate::{Cause, DiagnoseError, Record, Study, StudySettings};
 
 /// Refits the model once with the other input hold. `None` without such an input, or where it
@@ -21,7 +21,7 @@ pub(super) fn other_hold(
     system: &System,
     search: &Search<'_>,
     findings: &Findings,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<Option<OtherHold>, DiagnoseError> {
     let beyond = |size: f64| (size * size - 1.0).max(0.0);
     let excess = beyond(findings.base.alarm.size);

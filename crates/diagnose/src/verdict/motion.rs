@@ -3,7 +3,7 @@
 use bracketry_numerics::statistics::quantile;
 use bracketry_system::System;
 
-use crate::report::{Evidence, NoMotion, Outcome, Reason};
+use crate::report::{Evidence, NoMotion, Outcome, VerdictReason};
 use crate::{Effort, Measured, Record, Report, Verdict};
 
 /// Nine tenths of a normal variable lie within this many standard deviations around its mean, to both sides.
@@ -38,7 +38,7 @@ pub(super) fn uninformative(system: &System, records: &[Record]) -> Report {
     Report {
         model: system.name.clone(),
         verdict: Verdict::Uninformative,
-        reason: Reason { outcome: Outcome::NoMotion(no_motion), caveats: Vec::new() },
+        reason: VerdictReason { outcome: Outcome::NoMotion(no_motion), caveats: Vec::new() },
         causes: Vec::new(),
         places: Vec::new(),
         regimes: Vec::new(),

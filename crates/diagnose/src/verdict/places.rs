@@ -7,7 +7,7 @@ use bracketry_system::System;
 use crate::gain::{Missing, MissingIn, missing};
 use crate::library::{Kind, Structure, is_angle};
 use crate::report::{Place, Regime, ResidualAcceleration};
-use crate::settings::{PlaceSettings, Settings};
+use crate::settings::{DiagnosisSettings, PlaceSettings};
 use crate::{DiagnoseError, Fit, Record};
 
 /// Where the refitted model is wrong.
@@ -32,7 +32,7 @@ pub(super) fn places(
     system: &System,
     records: &[Record],
     fit: &Fit,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<Places, DiagnoseError> {
     let (stretches, mechanics) = missing(system, fit, records, &settings.gain.equations)?;
     let limits = &settings.verdict.places;

@@ -5,7 +5,7 @@ use super::noise::Scatter;
 use super::search::Search;
 use crate::gain::Gain;
 use crate::report::{Note, Outcome, Report, Verdict};
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 use crate::{Effect, Role};
 
 /// Improvement by a member of an explanation: decrease of the sum of squares and its p-value, corrected for the number of
@@ -30,7 +30,7 @@ pub(super) fn drop_unproven(
     chosen: &mut Explanation,
     scatter: &Scatter,
     tests: f64,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> bool {
     let mut dropped = false;
     loop {

@@ -8,10 +8,10 @@ use super::findings::Findings;
 use super::search::Search;
 use crate::gain::middle;
 use crate::report::Candidate;
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 
 /// Candidates by what their exact fit alone explains, with intervals from resampling windows.
-pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Settings) -> Vec<Candidate> {
+pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &DiagnosisSettings) -> Vec<Candidate> {
     let base = &findings.base;
     let excess = base.alarm.excess();
     let mut singles: Vec<&Explanation> = search.fitted().filter(|e| e.members.len() == 1).collect();
@@ -39,7 +39,12 @@ pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Setti
 
 /// The interval of 95 % for the share of the excess that an explanation takes away: percentiles of the ratio of both over resamples of
 /// whole windows (Künsch, Annals of Statistics 17, 1989), parameters at the values that all windows give.
-fn interval(base: &Explanation, explanation: &Explanation, share: f64, settings: &Settings) -> Option<[f64; 2]> {
+fn interval(
+    base: &Explanation,
+    explanation: &Explanation,
+    share: f64,
+    settings: &DiagnosisSettings,
+) -> Option<[f64; 2]> {
     let noise = base.alarm.floor / base.alarm.freedom;
     let pairs: Vec<[f64; 2]> = explanation
         .fit

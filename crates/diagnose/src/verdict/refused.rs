@@ -4,7 +4,7 @@ use super::explanation::Explanation;
 use super::noise::Scatter;
 use super::search::Search;
 use crate::report::intervals;
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 use crate::{Cause, DiagnoseError, Effect, Fit, Role};
 
 /// Takes out, one after the other, causes whose intervals contain no effect and those that feed energy where only dissipation
@@ -13,7 +13,7 @@ pub(super) fn drop_refused(
     search: &mut Search<'_>,
     chosen: &mut Explanation,
     scatter: &Scatter,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<bool, DiagnoseError> {
     let mut dropped = false;
     while let Some(rest) = without_refused(search, chosen, scatter, settings)? {
@@ -27,7 +27,7 @@ fn without_refused(
     search: &mut Search<'_>,
     chosen: &Explanation,
     scatter: &Scatter,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<Option<Explanation>, DiagnoseError> {
     if chosen.members.is_empty() {
         return Ok(None);

@@ -2,7 +2,7 @@
 
 use super::alarm::Alarm;
 use crate::report::Note;
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 use crate::{Measured, Record};
 
 /// By what the estimates of noise of the columns are to be multiplied, if the residual of a fit is noise and says that the columns weigh
@@ -10,7 +10,7 @@ use crate::{Measured, Record};
 pub(super) fn factors<'a>(
     alarm: &Alarm,
     mut records: impl Iterator<Item = &'a Record>,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Option<Vec<f64>> {
     let names = |r: &'a Record| r.measured.iter().map(|m| m.name.as_str());
     let first = records.next()?;

@@ -6,7 +6,7 @@ use super::precedence::surprise;
 use super::search::{Search, Wanted};
 use super::stage::Stage;
 use crate::DiagnoseError;
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 
 /// What a selection ends with.
 pub(crate) struct Selection {
@@ -32,7 +32,7 @@ pub(crate) fn select(
     search: &mut Search<'_>,
     base: &Explanation,
     among: &[usize],
-    settings: &Settings,
+    settings: &DiagnosisSettings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Selection, DiagnoseError> {
     let linearized = search.linearized(base, among)?;
@@ -84,7 +84,7 @@ fn attempts(
     promises: &[Promise],
     among: &[usize],
     room: usize,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<Vec<Explanation>, DiagnoseError> {
     let current = &selection.chosen;
     let limits = &settings.verdict.selection;
@@ -154,7 +154,7 @@ pub(crate) fn backwards(
     chosen: &mut Explanation,
     scatter: &Scatter,
     tests: f64,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) {
     while chosen.members.len() > 1 {
         let mut worst: Option<(f64, Explanation)> = None;

@@ -7,7 +7,7 @@ use super::findings::{Ending, Findings};
 use super::held_out::window_length;
 use super::search::Search;
 use crate::report::{Note, Rescaling, ScaledColumn};
-use crate::settings::{Settings, UnitSettings};
+use crate::settings::{DiagnosisSettings, UnitSettings};
 use crate::{Cause, DiagnoseError, Estimate, Record, Study, StudySettings};
 
 /// What columns are scaled together.
@@ -28,7 +28,7 @@ pub(super) fn other_units(
     system: &System,
     search: &Search<'_>,
     findings: &Findings,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<Option<Note>, DiagnoseError> {
     let base = &findings.base;
     let limits = &settings.verdict.units;

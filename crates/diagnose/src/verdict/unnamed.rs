@@ -6,7 +6,7 @@ use super::search::Search;
 use super::select::{add_all, leading, merit};
 use super::stage::Stage;
 use crate::DiagnoseError;
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 
 /// An explanation with terms among `terms` that is better than the one of named causes, if there is one.
 ///
@@ -24,7 +24,7 @@ pub(crate) fn unnamed(
     base: &Explanation,
     chosen: &Explanation,
     (named, terms): (&[usize], &[usize]),
-    settings: &Settings,
+    settings: &DiagnosisSettings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Option<(Explanation, Scatter)>, DiagnoseError> {
     progress(Stage::Dictionary);

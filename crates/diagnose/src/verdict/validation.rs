@@ -6,7 +6,7 @@ use super::alarm::Alarm;
 use super::explanation::Explanation;
 use super::held_out::{thinned, window_length};
 use crate::report::Mispredicted;
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 use crate::{DiagnoseError, Record, Study, StudySettings};
 
 /// The runs for validation, with the size of their residual over noise, that the explanation predicts much worse than the data
@@ -19,7 +19,7 @@ pub(super) fn mispredicted(
     like: &Study,
     explanation: &Explanation,
     validate: &[Record],
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Result<Vec<Mispredicted>, DiagnoseError> {
     let limits = &settings.verdict;
     let mut found = Vec::new();

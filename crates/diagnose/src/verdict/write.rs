@@ -10,13 +10,18 @@ use super::proven::worth;
 use super::ranking::ranking;
 use super::search::Search;
 use crate::report::{
-    Closeness, Evidence, Excess, Flag, NamedCause, Note, Outcome, Reason, RefittedParameter, Report, Rival, Value,
-    Verdict,
+    Closeness, Evidence, Excess, Flag, NamedCause, Note, Outcome, RefittedParameter, Report, Rival, Value, Verdict,
+    VerdictReason,
 };
-use crate::settings::Settings;
+use crate::settings::DiagnosisSettings;
 use crate::{Cause, Change, Effect, Effort, Estimate, Formula, Path, Role, separating_experiment};
 
-pub(super) fn report(system: &System, search: &mut Search<'_>, findings: &Findings, settings: &Settings) -> Report {
+pub(super) fn report(
+    system: &System,
+    search: &mut Search<'_>,
+    findings: &Findings,
+    settings: &DiagnosisSettings,
+) -> Report {
     let parameters = refitted(system, findings);
     let mut causes = Vec::new();
     let named = !matches!(findings.ending, Ending::Unexplained(_) | Ending::Refuted(_));
@@ -72,7 +77,7 @@ pub(super) fn report(system: &System, search: &mut Search<'_>, findings: &Findin
     }
 }
 
-fn reason(findings: &Findings, causes: &[NamedCause]) -> Reason {
+fn reason(findings: &Findings, causes: &[NamedCause]) -> VerdictReason {
     let size = findings.base.alarm.size;
     let parameter_off = !causes.is_empty();
     let outcome = match findings.ending {
@@ -83,11 +88,11 @@ fn reason(findings: &Findings, causes: &[NamedCause]) -> Reason {
         Ending::Refuted(share) => Outcome::NotBorneOut { size, share },
         Ending::Unexplained(share) => Outcome::Unexplained { size, share: (share != 0.0).then_some(share) },
     };
-    Reason { outcome, caveats: Vec::new() }
+    VerdictReason { outcome, caveats: Vec::new() }
 }
 
 /// A note where structure remains and the most causes allowed are there.
-fn limit(findings: &Findings, settings: &Settings) -> Option<Note> {
+fn limit(findings: &Findings, settings: &DiagnosisSettings) -> Option<Note> {
     let causes = findings.chosen.members.len();
     let structured = matches!(findings.ending, Ending::Partly(_) | Ending::Unexplained(_));
     (structured && causes >= settings.max_causes).then_some(Note::MostCauses { causes, allowed: settings.max_causes })
@@ -125,7 +130,7 @@ fn parameter_errors(
     system: &System,
     findings: &Findings,
     parameters: &[RefittedParameter],
-    settings: &Settings,
+    settings: &DiagnosisSettings,
 ) -> Vec<NamedCause> {
     let unidentified = &findings.chosen.fit.unidentified;
     let student = StudentsT::new(0.0, 1.0, findings.scatter.freedom.max(1.0));

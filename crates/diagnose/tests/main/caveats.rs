@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 use bracketry_diagnose::{
-    Cause, Caveat, DiagnoseError, Flag, NoMotion, Note, Outcome, Record, RecordSettings, Report, Rescaling,
-    ScaledColumn, Settings, Verdict, diagnose,
+    Cause, Caveat, DiagnoseError, DiagnosisSettings, Flag, NoMotion, Note, Outcome, Record, RecordSettings, Report,
+    Rescaling, ScaledColumn, Verdict, diagnose,
 };
 use bracketry_sim::Hold;
 use bracketry_system::System;
@@ -105,7 +105,7 @@ fn scaled(run: Run, column: &str, factor: f64) -> Record {
 }
 
 fn verdict(record: Record, validate: &[Record]) -> Report {
-    diagnose(&spring(), &[record], validate, &Settings::default(), &mut |_| {}).unwrap()
+    diagnose(&spring(), &[record], validate, &DiagnosisSettings::default(), &mut |_| {}).unwrap()
 }
 
 /// By which hold between samples the model explains the data without a cause.
@@ -273,7 +273,7 @@ fn a_clock_in_milliseconds_is_refused() {
     let mut columns = Run { velocity: false, ..RUN }.columns();
     columns.get_mut("t").unwrap().iter_mut().for_each(|t| *t *= 1e3);
     let record = read(columns, None).unwrap();
-    let error = diagnose(&spring(), &[record], &[], &Settings::default(), &mut |_| {}).unwrap_err();
+    let error = diagnose(&spring(), &[record], &[], &DiagnosisSettings::default(), &mut |_| {}).unwrap_err();
     assert!(matches!(error, DiagnoseError::TimeScale { turns, .. } if turns > 5.0), "{error}");
     assert!(error.to_string().contains("milliseconds"), "{error}");
 }

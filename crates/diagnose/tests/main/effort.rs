@@ -1,13 +1,13 @@
 //! A diagnosis costs no more than it did, by counts that are the same on every machine.
 #![allow(clippy::print_stdout)]
 
-use bracketry_diagnose::{Effort, Settings};
+use bracketry_diagnose::{DiagnosisSettings, Effort};
 use bracketry_trials::{Choice, SliderEffect, SliderSensors, SliderTrial};
 
 fn effort(choice: Choice, seed: u64) -> Effort {
     let mut trial = SliderTrial::draw(choice, SliderSensors::PositionAndVelocity, 0.1, false, seed);
     trial.slider.rate = 200.0;
-    trial.run(&Settings::default()).unwrap().0.effort
+    trial.run(&DiagnosisSettings::default()).unwrap().0.effort
 }
 
 /// What was counted, beside what it may be: a tenth more fails.

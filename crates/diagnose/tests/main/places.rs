@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bracketry_diagnose::{Place, Record, RecordSettings, Regime, Report, Settings, StudySettings, diagnose};
+use bracketry_diagnose::{DiagnosisSettings, Place, Record, RecordSettings, Regime, Report, StudySettings, diagnose};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -50,7 +50,7 @@ fn verdict(system: &System, record: Record) -> Report {
         fixed: vec![system.symbol_name(system.parameters[0].symbol).to_owned()],
         ..StudySettings::default()
     };
-    diagnose(system, &[record], &[], &Settings { study, ..Settings::default() }, &mut |_| {}).unwrap()
+    diagnose(system, &[record], &[], &DiagnosisSettings { study, ..DiagnosisSettings::default() }, &mut |_| {}).unwrap()
 }
 
 fn sum(places: &[Place], of: impl Fn(&Place) -> bool) -> f64 {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::tier::cases;
-use bracketry_diagnose::{Cause, NamedCause, Record, RecordSettings, Settings, diagnose};
+use bracketry_diagnose::{Cause, DiagnosisSettings, NamedCause, Record, RecordSettings, diagnose};
 use bracketry_system::System;
 use bracketry_trials::{Choice, SliderSensors, SliderTrial};
 use rand::rngs::StdRng;
@@ -21,7 +21,7 @@ fn no_cause_is_named_whose_interval_contains_no_effect() {
         // Hidden effects of hardly more than what the noise hides.
         let mut trial = SliderTrial::draw(Choice::Pair, SliderSensors::PositionAndVelocity, 0.01, false, seed);
         trial.slider.rate = 200.0;
-        let (report, _) = trial.run(&Settings { max_causes: 4, ..Settings::default() }).unwrap();
+        let (report, _) = trial.run(&DiagnosisSettings { max_causes: 4, ..DiagnosisSettings::default() }).unwrap();
         for cause in report.causes.iter().filter(|c| c.name != Cause::ParameterError) {
             assert!(!may_be_nothing(cause), "seed {seed}: {cause:?}");
         }
@@ -64,7 +64,7 @@ fn friction_that_drives_is_not_named() {
     for seed in 0..cases(1, 3) {
         let truth = (random.random_range(0.9..1.1), random.random_range(0.45..0.55), random.random_range(0.1..0.3));
         let record = driven(&system, truth, seed);
-        let report = diagnose(&system, &[record], &[], &Settings::default(), &mut |_| ()).unwrap();
+        let report = diagnose(&system, &[record], &[], &DiagnosisSettings::default(), &mut |_| ()).unwrap();
         for cause in &report.causes {
             let drives = cause.parameters.iter().any(|(_, v)| v.value < 0.0);
             assert!(!(dissipations.contains(&cause.name) && drives), "{truth:?}: {cause:?}");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bracketry_diagnose::{
-    Cause, Note, Record, RecordSettings, Report, Settings, Verdict, diagnose, reference_candidates,
+    Cause, DiagnosisSettings, Note, Record, RecordSettings, Report, Verdict, diagnose, reference_candidates,
 };
 use bracketry_system::System;
 use rand::SeedableRng;
@@ -49,7 +49,7 @@ fn run<const N: usize>(
     Record::from_columns("run", times, columns, system, &RecordSettings::default()).unwrap()
 }
 
-fn verdict(system: &System, record: &Record, settings: &Settings) -> Report {
+fn verdict(system: &System, record: &Record, settings: &DiagnosisSettings) -> Report {
     diagnose(system, std::slice::from_ref(record), &[], settings, &mut |_| ()).unwrap()
 }
 
@@ -69,7 +69,7 @@ fn emptying(system: &System) -> Record {
 #[test]
 fn one_term_without_a_name_is_not_helped_by_a_sensor() {
     let system = tank("k = 0.4", "k*h");
-    let report = verdict(&system, &emptying(&system), &Settings::default());
+    let report = verdict(&system, &emptying(&system), &DiagnosisSettings::default());
     let names: Vec<Cause> = report.causes.iter().map(|c| c.name).collect();
     assert_eq!(names, [Cause::UnknownTerm], "{:?}", report.causes);
 }
@@ -77,7 +77,10 @@ fn one_term_without_a_name_is_not_helped_by_a_sensor() {
 #[test]
 fn a_law_of_a_reference_takes_the_place_of_one_with_the_same_parameter() {
     let (system, reference) = (tank("k = 0.4", "k*h"), tank("k = 0.4", "k*sqrt(h)"));
-    let settings = Settings { candidates: reference_candidates(&system, &reference).unwrap(), ..Settings::default() };
+    let settings = DiagnosisSettings {
+        candidates: reference_candidates(&system, &reference).unwrap(),
+        ..DiagnosisSettings::default()
+    };
     let report = verdict(&system, &emptying(&system), &settings);
     assert_eq!(report.causes.len(), 1, "{:?}", report.causes);
     let (_, amplitude) = &report.causes[0].parameters[0];
@@ -103,7 +106,7 @@ fn swinging(system: &System) -> Record {
 fn a_parameter_that_is_ten_times_off_is_the_cause() {
     for given in ["200.0", "2.0"] {
         let system = spring(given);
-        let report = verdict(&system, &swinging(&system), &Settings::default());
+        let report = verdict(&system, &swinging(&system), &DiagnosisSettings::default());
         let causes: Vec<_> = report.causes.iter().map(|c| (c.name, c.parameters[0].0.as_str())).collect();
         assert_eq!(causes, [(Cause::ParameterError, "k")], "{given}: {:?}", report.causes);
         assert!((report.causes[0].parameters[0].1.value - 20.0).abs() < 0.5, "{:?}", report.causes[0]);
@@ -115,7 +118,7 @@ fn what_a_limit_holds_back_gets_no_term_of_its_own() {
     let system = tank("k = { value = 0.2, min = 0.1, max = 0.3 }", "k*h");
     let drive = |t: f64| 0.5 + 0.15 * input(t, 0.1);
     let record = run(&system, (1500, 0.1, 2e-3), [1.0], drive, |h, q| [(q - 0.45 * h[0]) / 0.5]);
-    let report = verdict(&system, &record, &Settings::default());
+    let report = verdict(&system, &record, &DiagnosisSettings::default());
     assert!(report.causes.iter().all(|c| c.name != Cause::UnknownTerm), "{:?}", report.causes);
     assert_ne!(report.verdict, Verdict::NothingFound);
     assert!(report.notes.iter().any(|n| matches!(n, Note::AtLimit { name, .. } if name == "k")), "{:?}", report.notes);
@@ -128,7 +131,7 @@ fn a_search_that_ends_at_the_number_of_causes_allowed_says_so() {
     let drive = |t: f64| 2.0 * input(t, 1.3);
     let record = run(&system, (800, 0.01, 2e-3), [0.0, 0.0], drive, |x, u| [x[1], u - 0.8 * x[1] - 3.0 * x[0]]);
     let named = |most: usize| {
-        let report = verdict(&system, &record, &Settings { max_causes: most, ..Settings::default() });
+        let report = verdict(&system, &record, &DiagnosisSettings { max_causes: most, ..DiagnosisSettings::default() });
         let ended = report.notes.iter().any(|note| matches!(note, Note::MostCauses { .. }));
         (report.causes.iter().map(|c| c.name).collect::<Vec<_>>(), ended)
     };
@@ -146,14 +149,14 @@ fn a_changed_setting_changes_what_is_named() {
     let system = System::parse("cart", text).unwrap();
     let drive = |t: f64| 2.0 * input(t, 1.3);
     let record = run(&system, (800, 0.01, 2e-3), [0.0, 0.0], drive, |x, u| [x[1], u - 0.01 * x[1]]);
-    let named = |settings: Settings| {
+    let named = |settings: DiagnosisSettings| {
         let report = verdict(&system, &record, &settings);
         report.causes.into_iter().map(|c| c.name).collect::<Vec<_>>()
     };
-    assert_eq!(named(Settings::default()), [Cause::ViscousFriction]);
+    assert_eq!(named(DiagnosisSettings::default()), [Cause::ViscousFriction]);
     // Nothing is that significant, and nothing moves that far.
-    assert_eq!(named(Settings { significance: 0.0, ..Settings::default() }), []);
-    let mut strict = Settings::default();
+    assert_eq!(named(DiagnosisSettings { significance: 0.0, ..DiagnosisSettings::default() }), []);
+    let mut strict = DiagnosisSettings::default();
     strict.verdict.alarm.motion_spread = 1e9;
     assert_eq!(named(strict), []);
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_diagnose::{DiagnoseError, Record, RecordSettings, Settings, Stage, diagnose};
+use bracketry_diagnose::{DiagnoseError, DiagnosisSettings, Record, RecordSettings, Stage, diagnose};
 use bracketry_system::System;
 
 /// A mass that is pushed by a force, with a friction that its model lacks.
@@ -27,14 +27,15 @@ fn pushed() -> (System, Record) {
 fn every_stage_at_which_the_flag_is_raised_is_the_last() {
     let (system, record) = pushed();
     let mut stages: Vec<Stage> = Vec::new();
-    diagnose(&system, std::slice::from_ref(&record), &[], &Settings::default(), &mut |s| stages.push(s)).unwrap();
+    diagnose(&system, std::slice::from_ref(&record), &[], &DiagnosisSettings::default(), &mut |s| stages.push(s))
+        .unwrap();
     assert!(stages.len() >= 3, "{stages:?}");
     for last in 0..stages.len() {
         let mut system = system.clone();
         system.pool.set_stop_flag(bracketry_symbolic::StopFlag::default());
         let flag = system.pool.stop_flag().clone();
         let mut seen = 0;
-        let stopped = diagnose(&system, std::slice::from_ref(&record), &[], &Settings::default(), &mut |_| {
+        let stopped = diagnose(&system, std::slice::from_ref(&record), &[], &DiagnosisSettings::default(), &mut |_| {
             if seen == last {
                 flag.raise();
             }

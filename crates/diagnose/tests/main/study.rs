@@ -1,10 +1,10 @@
 //! Fits over windows: what they recover, how certain they say they are, what they do with windows that fail.
 
 use bracketry_diagnose::{
-    Cause, Change, Coefficient, DiagnoseError, Effect, Fit, FitStatus, Measured, Note, Path, Quantity, Record, Role,
-    Settings as Diagnosing, Signal, Study, StudySettings, Window, diagnose,
+    Cause, Change, Coefficient, DiagnoseError, DiagnosisSettings, Effect, Fit, FitStatus, Measured, Note, Path,
+    Quantity, Record, Role, Signal, Study, StudySettings, Window, diagnose,
 };
-use bracketry_sim::{Hold, Inputs, Model, Samples, Settings, Stepper};
+use bracketry_sim::{Hold, Inputs, Model, Samples, SimulationSettings, Stepper};
 use bracketry_system::System;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
@@ -39,7 +39,7 @@ fn log(truth: &System, seconds: f64, rate: f64, delay: f64, columns: usize, leve
     let shifted = times.iter().map(|t| t + delay).collect();
     let inputs = Inputs::new().samples("u", Samples::new(shifted, u.clone(), Hold::Previous).unwrap());
     let model = Model::new(truth, &inputs).unwrap();
-    let mut stepper = Stepper::new(model, 0.0, &vec![0.0; truth.states.len()], &Settings::default()).unwrap();
+    let mut stepper = Stepper::new(model, 0.0, &vec![0.0; truth.states.len()], &SimulationSettings::default()).unwrap();
     let mut states = vec![Vec::new(); truth.states.len()];
     for &t in &times {
         assert!(stepper.advance(t).is_finished());
@@ -340,7 +340,7 @@ fn limits_of_the_model_file_win() {
 #[test]
 fn a_value_at_its_limit_has_a_note_and_no_interval() {
     let model = with_stiffness("{ value = 19.0, max = 19.9 }");
-    let report = diagnose(&model, &[spring_log(15)], &[], &Diagnosing::default(), &mut |_| {}).unwrap();
+    let report = diagnose(&model, &[spring_log(15)], &[], &DiagnosisSettings::default(), &mut |_| {}).unwrap();
     let k = report.parameters.iter().find(|p| p.name == "k").unwrap();
     assert_eq!((k.after, k.interval), (19.9, None));
     assert!(

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_diagnose::{Note, Outcome, Record, RecordSettings, Repetition, Report, Settings, Verdict, diagnose};
+use bracketry_diagnose::{
+    DiagnosisSettings, Note, Outcome, Record, RecordSettings, Repetition, Report, Verdict, diagnose,
+};
 use bracketry_system::System;
 use bracketry_trials::{Slider, SliderSensors};
 use rand::SeedableRng;
@@ -23,7 +25,7 @@ fn pushed(name: &str, force: f64, seed: u64) -> (System, Record) {
 
 fn verdict(system: &System, records: &[&Record], validate: &[&Record]) -> Report {
     let cloned = |list: &[&Record]| list.iter().map(|r| (*r).clone()).collect::<Vec<_>>();
-    diagnose(system, &cloned(records), &cloned(validate), &Settings::default(), &mut |_| {}).unwrap()
+    diagnose(system, &cloned(records), &cloned(validate), &DiagnosisSettings::default(), &mut |_| {}).unwrap()
 }
 
 #[test]
@@ -53,7 +55,7 @@ fn the_data_of_the_fit_validate_nothing() {
     );
     // What is named is significant, larger than its standard deviation, and improves some prediction.
     for cause in &alone.causes {
-        assert!(cause.p_value.is_some_and(|p| p < Settings::default().significance), "{alone:?}");
+        assert!(cause.p_value.is_some_and(|p| p < DiagnosisSettings::default().significance), "{alone:?}");
         assert!(cause.parameters.iter().any(|(_, v)| v.value.abs() > v.std), "{alone:?}");
     }
     let gain = alone.gain.unwrap();

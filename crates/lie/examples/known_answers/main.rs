@@ -22,7 +22,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::{Duration, Instant};
 
-use bracketry_lie::{Options, analyze};
+use bracketry_lie::{AnalysisOptions, analyze};
 use bracketry_system::System;
 use serde_json::Value;
 
@@ -90,7 +90,7 @@ fn report(text: &str, seconds: u64) -> Option<Result<Value, String>> {
     let text = text.to_owned();
     let work = move || {
         let system = System::parse("known", &text).map_err(|e| e.to_string())?;
-        let analysis = analyze(&system, &Options::default()).map_err(|e| e.to_string())?;
+        let analysis = analyze(&system, &AnalysisOptions::default()).map_err(|e| e.to_string())?;
         serde_json::to_value(&analysis.report).map_err(|e| e.to_string())
     };
     std::thread::Builder::new().stack_size(64 << 20).spawn(move || send.send(work())).ok()?;

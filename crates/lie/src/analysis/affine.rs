@@ -29,7 +29,7 @@ use crate::feedback::static_linearization::LinearizationFlag;
 use crate::modes::Signs;
 use crate::modes::{ModeFields, mode_fields};
 use crate::observability::report::{read_functions, report};
-use crate::options::Options;
+use crate::options::AnalysisOptions;
 use crate::reason::Reason;
 use crate::undecided::Undecided;
 
@@ -41,7 +41,7 @@ use crate::undecided::Undecided;
 /// # Errors
 /// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`], [`Error::Bracket`], [`Undecided::Stopped`] once the stop flag
 /// of the system's pool is raised; what an exact test cannot decide becomes an unknown of the report instead.
-pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Error> {
+pub fn analyze_affine(system: &System, options: &AnalysisOptions) -> Result<Report, Error> {
     let start = Instant::now();
     let mut evidence = Evidence::default();
     let mut system = system.clone();
@@ -126,7 +126,7 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
 }
 
 /// Options name inputs of the system.
-fn check_inputs(system: &System, options: &Options) -> Result<(), Error> {
+fn check_inputs(system: &System, options: &AnalysisOptions) -> Result<(), Error> {
     let names = system.input_names();
     let mut told = options.ranges.iter().map(|r| &r.0).chain(options.one_sided.iter().map(|o| &o.0));
     match told.find(|name| !names.contains(name)) {
@@ -171,7 +171,7 @@ impl Generic<'_> {
         &self,
         system: &mut System,
         smoothed: Option<&mut Smoothed>,
-        options: &Options,
+        options: &AnalysisOptions,
         evidence: &mut Evidence,
     ) -> Result<Option<Answer<PointReport>>, Error> {
         let Some(point) = system.point.clone() else { return Ok(None) };
@@ -248,7 +248,12 @@ struct Smoothed {
 
 impl Smoothed {
     /// `first` is how many nodes the pool had made when the analysis began.
-    fn of(system: &mut System, options: &Options, first: usize, evidence: &mut Evidence) -> Result<Self, Error> {
+    fn of(
+        system: &mut System,
+        options: &AnalysisOptions,
+        first: usize,
+        evidence: &mut Evidence,
+    ) -> Result<Self, Error> {
         let width = system.pool.rational(options.epsilon.clone());
         let before = system.pool.made();
         let mut system = system.smoothed(width);
@@ -257,7 +262,7 @@ impl Smoothed {
         Ok(Smoothed { system, fields, reach, before })
     }
 
-    fn report(&self, options: &Options) -> SmoothedReport {
+    fn report(&self, options: &AnalysisOptions) -> SmoothedReport {
         let dimensions = self.reach.dimensions(&generators(self.fields.controls.len()));
         SmoothedReport { epsilon: options.epsilon.to_f64().value(), dimensions }
     }
@@ -266,7 +271,7 @@ impl Smoothed {
     fn at_point(
         &mut self,
         names: &[String],
-        options: &Options,
+        options: &AnalysisOptions,
         vanishing: Vec<Vanishing>,
         evidence: &mut Evidence,
     ) -> PointReport {

@@ -11,7 +11,7 @@ use crate::analysis::report::Report;
 use crate::analysis::transfer::{flatness_of_original, with_input_ranges, withhold_local_verdicts};
 use crate::error::Error;
 use crate::observability::report::observe;
-use crate::options::Options;
+use crate::options::AnalysisOptions;
 
 /// An analysis that could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -68,12 +68,12 @@ pub struct Analysis {
 /// assert_eq!(analysis.report.modes[0].dimensions.growth, [2, 3]);
 /// ```
 ///
-/// What is not decided within [`Options::time_limit`] is unknown.
+/// What is not decided within [`AnalysisOptions::time_limit`] is unknown.
 ///
 /// # Errors
 /// [`AnalysisError`] if no affine form is found or there are too many modes; what an exact test
 /// cannot decide becomes an unknown of the report instead.
-pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisError> {
+pub fn analyze(system: &System, options: &AnalysisOptions) -> Result<Analysis, AnalysisError> {
     let start = Instant::now();
     if let (Some(function), true) = (options.determined.first(), system.outputs.is_empty()) {
         return Err(AnalysisError::NoOutputs { function: function.clone() });

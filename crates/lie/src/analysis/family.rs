@@ -59,12 +59,12 @@ const MAX_SWITCHES: usize = 4;
 /// Dimensions of the family of a system, compared with the report on its affine form.
 ///
 /// ```
-/// use bracketry_lie::{Answer, Options, analyze_affine, family_dimensions};
+/// use bracketry_lie::{Answer, AnalysisOptions, analyze_affine, family_dimensions};
 /// use bracketry_system::System;
 /// let text = "states = ['x', 'y']\ninputs = ['u']\n[dynamics]\nx = 'cos(u)'\ny = 'sin(u)'";
 /// let original = System::parse("m", text).unwrap();
 /// let affine = original.affinize().unwrap().system;
-/// let report = analyze_affine(&affine, &Options::default()).unwrap();
+/// let report = analyze_affine(&affine, &AnalysisOptions::default()).unwrap();
 /// let family = family_dimensions(&original, &affine, &report).unwrap();
 /// assert_eq!((family.accessible_dimension, family.integrators), (Answer::Known(2), 1));
 /// assert_eq!(family.agrees, Answer::Known(true));

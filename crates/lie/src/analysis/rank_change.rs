@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::analysis::analyze::{Analysis, analyze};
 use crate::answer::Answer;
 use crate::dimensions::Dimensions;
-use crate::options::Options;
+use crate::options::AnalysisOptions;
 
 /// Dimensions of what the inputs of a model reach.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -57,7 +57,8 @@ impl RankChange {
     /// Analyzes both models; none if one of them cannot be analyzed.
     pub fn of_systems(given: &System, extended: &System) -> Option<Self> {
         // The dimensions alone are compared.
-        let analyzed = |system| analyze(system, &Options { flatness: false, ..Options::default() }).ok();
+        let analyzed =
+            |system| analyze(system, &AnalysisOptions { flatness: false, ..AnalysisOptions::default() }).ok();
         Self::between(&analyzed(given)?, &analyzed(extended)?)
     }
 }

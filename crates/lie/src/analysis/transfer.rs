@@ -9,11 +9,15 @@ use crate::controllability::input_values::{InputValues, Side};
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::feedback::flatness_report::{FlatnessReport, FlatnessVerdict};
 use crate::feedback::ruled::{GeneralSystem, not_ruled};
-use crate::options::Options;
+use crate::options::AnalysisOptions;
 use crate::reason::{FlatnessReason, Reason, StabilizableReason, StlcReason};
 
 /// The options with what is known of the inputs of the affine form.
-pub(crate) fn with_input_ranges(options: &Options, affinization: &Affinization, original: &System) -> Options {
+pub(crate) fn with_input_ranges(
+    options: &AnalysisOptions,
+    affinization: &Affinization,
+    original: &System,
+) -> AnalysisOptions {
     let mut options = options.clone();
     if affinization.method == Method::None {
         options.ranges.extend(declared(original));

@@ -13,7 +13,7 @@ use crate::controllability::stlc::{BoundedStlc, Stlc};
 use crate::controllability::switched::Invariant;
 use crate::error::Error;
 use crate::modes::ModeFields;
-use crate::options::Options;
+use crate::options::AnalysisOptions;
 use crate::reason::{Monotone, StabilizableReason, StlcReason};
 use crate::undecided::Undecided;
 
@@ -25,7 +25,7 @@ pub(crate) struct AtSwitchPoint<'a> {
     pub(crate) modes: &'a [ModeFields],
     pub(crate) point: &'a Point,
     pub(crate) names: &'a [String],
-    pub(crate) options: &'a Options,
+    pub(crate) options: &'a AnalysisOptions,
     /// Continuous functions that no mode changes.
     pub(crate) invariants: &'a [Invariant],
     /// Whether a unit vector vanishes too, which no mode describes.

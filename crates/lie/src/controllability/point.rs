@@ -20,13 +20,13 @@ use crate::controllability::one_sided::{Given, held, one_sided};
 use crate::controllability::stabilizable::{AtEquilibrium, stabilizable};
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::controllability::unbounded::unbounded;
-use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
+use crate::controllability::uncontrollable::{UncontrollableMode, uncontrollable_modes};
 use crate::controllability::uninfluenced::Reach;
 use crate::dimensions::Dimensions;
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::modes::ModeFields;
-use crate::options::Options;
+use crate::options::AnalysisOptions;
 use crate::reason::{Reason, StabilizableReason, StlcReason};
 use crate::undecided::Undecided;
 
@@ -102,7 +102,7 @@ pub(crate) fn point_report(
     names: &[String],
     reach: &Reach,
     point: &Point,
-    options: &Options,
+    options: &AnalysisOptions,
     evidence: &mut Evidence,
 ) -> Result<PointReport, Error> {
     let n = fields.states.len();
@@ -270,7 +270,7 @@ pub struct PointReport {
     pub stabilizable_reason: Option<StabilizableReason>,
     /// Eigenvalues of the linearization that no input reaches; absent if the point is no equilibrium.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub uncontrollable_modes: Option<Answer<Vec<Mode>>>,
+    pub uncontrollable_modes: Option<Answer<Vec<UncontrollableMode>>>,
     /// Brockett's necessary condition for stabilization by continuous state feedback; absent if
     /// the point is no equilibrium.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -12,7 +12,7 @@ use crate::linear::spectrum::Root;
 /// An eigenvalue of the linearization x' = A x + B u that no input reaches: rank [A − λ, B] < n
 /// (Popov–Belevitch–Hautus).
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Mode {
+pub struct UncontrollableMode {
     /// Real part.
     pub re: f64,
     /// Imaginary part.
@@ -29,8 +29,8 @@ pub struct Mode {
 const MAX_BITS: usize = 24;
 
 /// The uncontrollable eigenvalues; their number, with multiplicities, is n less the dimension of the controllable subspace.
-pub(crate) fn uncontrollable_modes(pool: &mut Pool, frame: &Frame, found: &Uncontrollable) -> Vec<Mode> {
-    let mode = |root: &Root| Mode {
+pub(crate) fn uncontrollable_modes(pool: &mut Pool, frame: &Frame, found: &Uncontrollable) -> Vec<UncontrollableMode> {
+    let mode = |root: &Root| UncontrollableMode {
         re: root.re,
         im: root.im,
         multiplicity: root.multiplicity,

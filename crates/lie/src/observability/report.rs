@@ -13,7 +13,7 @@ use crate::modes::{mode_fields, parameter_bindings};
 use crate::observability::codistribution::Observability;
 use crate::observability::sensitivity::Asked;
 use crate::observability::symmetry::{Operator, Symmetry};
-use crate::options::Options;
+use crate::options::AnalysisOptions;
 use crate::reason::Reason;
 use crate::undecided::Undecided;
 
@@ -105,7 +105,7 @@ pub struct Undetermined {
 /// an exact test cannot decide becomes an unknown of the report instead.
 pub fn observe(
     system: &System,
-    options: &Options,
+    options: &AnalysisOptions,
     evidence: &mut Evidence,
 ) -> Result<Option<ObservabilityReport>, Error> {
     let mut system = system.clone();

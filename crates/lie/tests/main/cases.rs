@@ -10,7 +10,7 @@ mod known_answers;
 use std::collections::BTreeMap;
 
 use crate::common::{fields, system};
-use bracketry_lie::{Evidence, Field, Limits, Options, VectorFields, analyze_affine, bracket};
+use bracketry_lie::{AnalysisOptions, Evidence, Field, Limits, VectorFields, analyze_affine, bracket};
 use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
 use bracketry_system::System;
 use case_file::model_file;
@@ -67,8 +67,11 @@ fn every_answer_of_the_literature_is_found() {
         case["expected"].as_object_mut().unwrap().remove("original");
         differences.extend(known_answers::differences(&case, &mut |model, brackets, determined| {
             let system = System::parse("case.toml", model).unwrap();
-            let options =
-                Options { brackets: brackets.to_vec(), determined: determined.to_vec(), ..Options::default() };
+            let options = AnalysisOptions {
+                brackets: brackets.to_vec(),
+                determined: determined.to_vec(),
+                ..AnalysisOptions::default()
+            };
             serde_json::to_value(analyze_affine(&system, &options).unwrap()).unwrap()
         }));
     }

@@ -1,7 +1,7 @@
 //! Zero dynamics with eigenvalues on the imaginary axis, whose stability is known by construction.
 
 use crate::common::system;
-use bracketry_lie::{Answer, MinimumPhaseReason, Options, ZeroDynamicsReport, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Answer, MinimumPhaseReason, ZeroDynamicsReport, analyze_affine};
 
 /// The system y' = u with z' = F(z) + y beside it: the zero dynamics of y are z' = F(z).
 fn zero_dynamics(states: &[&str], equations: &[&str]) -> ZeroDynamicsReport {
@@ -11,7 +11,7 @@ fn zero_dynamics(states: &[&str], equations: &[&str]) -> ZeroDynamicsReport {
     rhs.extend(equations.iter().map(|e| format!("{e} + y")));
     let rhs: Vec<&str> = rhs.iter().map(String::as_str).collect();
     let s = system(&names, &["u"], &[], &rhs, &["y"], Some(&[]));
-    let report = analyze_affine(&s, &Options::default()).unwrap().control.input_output.unwrap();
+    let report = analyze_affine(&s, &AnalysisOptions::default()).unwrap().control.input_output.unwrap();
     report.zero_dynamics.unwrap().known().unwrap().clone()
 }
 

@@ -1,11 +1,11 @@
 //! Systems at the edge of what can be said: the answer is exact, unknown with a reason, or a clear error.
 
 use crate::common::{answered, ratio, system};
-use bracketry_lie::{Answer, Error, Options, PointReport, Report, Verdict, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Answer, Error, PointReport, Report, Verdict, analyze_affine};
 use bracketry_system::System;
 
 fn report(s: &System) -> Report {
-    analyze_affine(s, &Options::default()).unwrap()
+    analyze_affine(s, &AnalysisOptions::default()).unwrap()
 }
 
 fn at_point(r: &Report) -> &PointReport {
@@ -130,14 +130,14 @@ fn a_root_is_exact() {
 #[test]
 fn what_is_not_affine_is_an_error() {
     let square = system(&["x"], &["u"], &[], &["u^2"], &[], None);
-    assert!(matches!(analyze_affine(&square, &Options::default()), Err(Error::NotAffine { .. })));
+    assert!(matches!(analyze_affine(&square, &AnalysisOptions::default()), Err(Error::NotAffine { .. })));
     let switched_input = system(&["x"], &["u"], &[], &["sign(u)"], &[], None);
-    assert!(matches!(analyze_affine(&switched_input, &Options::default()), Err(Error::NotAffine { .. })));
+    assert!(matches!(analyze_affine(&switched_input, &AnalysisOptions::default()), Err(Error::NotAffine { .. })));
     let many: Vec<String> = (0..11).map(|i| format!("sign(x - {i})")).collect();
     let switches = system(&["x"], &[], &[], &[&many.join(" + ")], &[], None);
-    assert_eq!(analyze_affine(&switches, &Options::default()).unwrap_err(), Error::Modes { switches: 11 });
+    assert_eq!(analyze_affine(&switches, &AnalysisOptions::default()).unwrap_err(), Error::Modes { switches: 11 });
     assert_eq!(
-        analyze_affine(&system(&[], &[], &[], &[], &[], None), &Options::default()).unwrap_err(),
+        analyze_affine(&system(&[], &[], &[], &[], &[], None), &AnalysisOptions::default()).unwrap_err(),
         Error::NoStates
     );
 }

@@ -1,7 +1,7 @@
 //! The family of constant inputs and the affine form have the same dimensions, and neither depends on coordinates or
 //! feedback.
 
-use bracketry_lie::{Answer, Family, Options, Report, analyze_affine, family_dimensions};
+use bracketry_lie::{AnalysisOptions, Answer, Family, Report, analyze_affine, family_dimensions};
 use bracketry_system::{Method, System};
 use proptest::prelude::*;
 
@@ -17,7 +17,7 @@ fn text(states: &str, inputs: &str, equations: &[&str]) -> String {
 }
 
 fn report(system: &System) -> Report {
-    analyze_affine(system, &Options::default()).unwrap()
+    analyze_affine(system, &AnalysisOptions::default()).unwrap()
 }
 
 fn family(original: &System) -> Family {

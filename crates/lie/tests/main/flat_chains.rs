@@ -1,7 +1,7 @@
 //! Flatness of systems that are linearizable by static feedback by construction.
 
 use crate::common::{shown, system};
-use bracketry_lie::{FlatnessVerdict, Options, analyze_affine};
+use bracketry_lie::{AnalysisOptions, FlatnessVerdict, analyze_affine};
 use bracketry_system::System;
 
 /// Deterministic numbers 0, …, n − 1 (linear congruences).
@@ -44,7 +44,7 @@ fn long_chains_are_flat_by_their_first_state() {
     let mut numbers = Numbers(1);
     for n in [5, 12, 22] {
         let s = triangular(n, &mut numbers);
-        let report = analyze_affine(&s, &Options::default()).unwrap();
+        let report = analyze_affine(&s, &AnalysisOptions::default()).unwrap();
         let flatness = report.control.flatness.unwrap();
         assert_eq!(flatness.verdict, FlatnessVerdict::Yes, "{n}: {}", flatness.reason);
         assert_eq!(shown(&flatness.flat_outputs), ["x1"], "{n}");

@@ -2,13 +2,13 @@
 
 use crate::common::{fields, ratio, shown, system};
 use bracketry_lie::{
-    Evidence, ExtensionLimits, FlatnessReport, FlatnessVerdict, Function, Options, VectorFields, analyze_affine,
+    AnalysisOptions, Evidence, ExtensionLimits, FlatnessReport, FlatnessVerdict, Function, VectorFields, analyze_affine,
 };
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 use bracketry_system::System;
 
 fn flatness(s: &System) -> FlatnessReport {
-    analyze_affine(s, &Options::default()).unwrap().control.flatness.unwrap()
+    analyze_affine(s, &AnalysisOptions::default()).unwrap().control.flatness.unwrap()
 }
 
 fn verdict(s: &System) -> FlatnessVerdict {
@@ -33,8 +33,9 @@ fn equations(rates: &[(String, Function)]) -> Vec<String> {
 #[test]
 fn without_the_search_for_flat_outputs_the_dimensions_are_the_same() {
     let unicycle = driftless(&["x", "y", "th"], &["v", "w"], &["v*cos(th)", "v*sin(th)", "w"]);
-    let whole = analyze_affine(&unicycle, &Options::default()).unwrap();
-    let dimensions = analyze_affine(&unicycle, &Options { flatness: false, ..Options::default() }).unwrap();
+    let whole = analyze_affine(&unicycle, &AnalysisOptions::default()).unwrap();
+    let dimensions =
+        analyze_affine(&unicycle, &AnalysisOptions { flatness: false, ..AnalysisOptions::default() }).unwrap();
     assert!(whole.control.flatness.is_some() && dimensions.control.flatness.is_none());
     assert_eq!(dimensions.modes, whole.modes);
 }
@@ -42,7 +43,7 @@ fn without_the_search_for_flat_outputs_the_dimensions_are_the_same() {
 #[test]
 fn unicycle() {
     let s = system(&["x", "y", "th"], &["v", "w"], &[], &["v*cos(th)", "v*sin(th)", "w"], &["x", "y"], None);
-    let report = analyze_affine(&s, &Options::default()).unwrap().control;
+    let report = analyze_affine(&s, &AnalysisOptions::default()).unwrap().control;
     let e = report.dynamic_extension.unwrap();
     assert_eq!(e.integrators.0, [("v".to_owned(), 1)]);
     assert_eq!((e.relative_degree, e.dimension, e.linearizes), (vec![2, 2], 4, true));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::common::{fields, ratio, shown, system};
 use bracketry_lie::{
-    Answer, Error, Evidence, HallBasis, HallTooLarge, Options, VectorFields, Word, WordProblem, analyze_affine,
+    AnalysisOptions, Answer, Error, Evidence, HallBasis, HallTooLarge, VectorFields, Word, WordProblem, analyze_affine,
     bracket, witt, witt_degrees,
 };
 use bracketry_symbolic::{Bindings, Echelon, Fp, Pool, ZeroTest};
@@ -194,7 +194,7 @@ fn brackets_that_are_asked_for_are_reported_simplified() {
         None,
     );
     let wanted = ["[g1,g2]", "[speed,[g1,g2]]", "f"].map(str::to_owned).to_vec();
-    let report = analyze_affine(&car, &Options { brackets: wanted, ..Options::default() }).unwrap();
+    let report = analyze_affine(&car, &AnalysisOptions { brackets: wanted, ..AnalysisOptions::default() }).unwrap();
     let mut p = car.pool.clone();
     let expected = [
         ("[g1,g2]", ["0", "0", "-1/(l*cos(ph)^2)", "0"]),
@@ -212,14 +212,14 @@ fn brackets_that_are_asked_for_are_reported_simplified() {
     let json = serde_json::to_value(&report).unwrap();
     assert_eq!(json["brackets"]["f"], serde_json::json!(["0", "0", "0", "0"]));
     assert_eq!(json["modes"][0]["basis"], serde_json::json!(["g1", "g2", "[g1,g2]", "[g1,[g1,g2]]"]));
-    let bad = Options { brackets: vec!["[g1,steering]".to_owned()], ..Options::default() };
+    let bad = AnalysisOptions { brackets: vec!["[g1,steering]".to_owned()], ..AnalysisOptions::default() };
     assert!(matches!(analyze_affine(&car, &bad), Err(Error::Bracket(_))));
 }
 
 #[test]
 fn with_switching_each_mode_has_its_brackets_and_its_generators_in_the_family() {
     let rubbing = system(&["x", "v"], &["u"], &[("mu", ratio(3, 10))], &["v", "-mu*sign(v)*v + u"], &[], None);
-    let options = Options { brackets: vec!["[f,u]".to_owned()], ..Options::default() };
+    let options = AnalysisOptions { brackets: vec!["[f,u]".to_owned()], ..AnalysisOptions::default() };
     let report = analyze_affine(&rubbing, &options).unwrap();
     let of_mode = |k: usize| shown(report.modes[k].brackets[0].components.known().unwrap()).join(" ");
     assert_eq!([of_mode(0), of_mode(1)], ["-1 mu", "-1 -mu"]);
@@ -252,7 +252,7 @@ fn modes_name_what_spans_their_distributions() {
     let v = fields(&mut unicycle);
     let reach = v.accessibility(&mut unicycle.pool, &mut Evidence::default()).unwrap();
     assert_eq!(reach.words.iter().map(|w| w.name(&["f", "a", "b"])).collect::<Vec<_>>(), ["a", "b", "[a,b]"]);
-    let report = analyze_affine(&unicycle, &Options::default()).unwrap();
+    let report = analyze_affine(&unicycle, &AnalysisOptions::default()).unwrap();
     assert_eq!(shown(&report.modes[0].dimensions.basis), ["g1", "g2", "[g1,g2]"]);
     assert_eq!(shown(&report.modes[0].dimensions.strong_basis), ["g1", "g2", "[g1,g2]"]);
     assert_eq!(report.at_point.as_ref().and_then(Answer::known).map(|p| p.dimensions.basis.clone()), None);

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::common::{elementary, ratio, system};
-use bracketry_lie::{Answer, Evidence, Named, ObservabilityReport, Options, observe};
+use bracketry_lie::{AnalysisOptions, Answer, Evidence, Named, ObservabilityReport, observe};
 use proptest::prelude::*;
 
 /// A model as text.
@@ -31,7 +31,7 @@ impl Model {
             &borrowed(&self.outputs),
             None,
         );
-        observe(&s, &Options::default(), &mut Evidence::default()).unwrap().unwrap()
+        observe(&s, &AnalysisOptions::default(), &mut Evidence::default()).unwrap().unwrap()
     }
 
     /// The parameter as a product of itself and a new one, which hides a scaling.

@@ -1,12 +1,14 @@
 //! Relative degree, decoupling matrix, zero dynamics and static feedback linearization of systems from textbooks.
 
 use crate::common::{ratio, shown, system};
-use bracketry_lie::{Answer, ControlReport, LinearizationReport, Options, Report, ZeroDynamicsReport, analyze_affine};
+use bracketry_lie::{
+    AnalysisOptions, Answer, ControlReport, LinearizationReport, Report, ZeroDynamicsReport, analyze_affine,
+};
 use bracketry_symbolic::{Bindings, Rational};
 use bracketry_system::System;
 
 fn report(s: &System) -> Report {
-    analyze_affine(s, &Options::default()).unwrap()
+    analyze_affine(s, &AnalysisOptions::default()).unwrap()
 }
 
 fn control(s: &System) -> ControlReport {

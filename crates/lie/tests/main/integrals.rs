@@ -2,7 +2,7 @@
 
 use crate::common::{answered, ellipse, fields, ratio, system, texts};
 use bracketry_lie::{
-    Answer, Evidence, Field, Integrals, Options, adjoint, analyze_affine, integrals, involutive_closure,
+    AnalysisOptions, Answer, Evidence, Field, Integrals, adjoint, analyze_affine, integrals, involutive_closure,
 };
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 
@@ -182,14 +182,17 @@ fn the_closure_of_two_fields_of_heisenberg_is_everything() {
 
 #[test]
 fn lenhart_leaves_a_product_to_itself() {
-    let r = analyze_affine(&system(&["x1", "x2"], &["u"], &[], &["x1*u", "x2 - x2*u"], &[], None), &Options::default());
+    let r = analyze_affine(
+        &system(&["x1", "x2"], &["u"], &[], &["x1*u", "x2 - x2*u"], &[], None),
+        &AnalysisOptions::default(),
+    );
     assert_eq!(answered(&r.unwrap().modes[0].autonomous), Answer::Known(vec!["x1*x2".into()]));
 }
 
 /// Per mode the object's absolute position and velocity follow friction of constant direction; that direction changes.
 #[test]
 fn switching_of_friction_reaches_what_no_mode_reaches() {
-    let s = analyze_affine(&ellipse(None), &Options::default()).unwrap().switched.unwrap();
+    let s = analyze_affine(&ellipse(None), &AnalysisOptions::default()).unwrap().switched.unwrap();
     let list = s.only_by_switching.known().unwrap();
     let found: Vec<_> = list.iter().map(|f| (f.function.to_string(), f.modes.len())).collect();
     assert_eq!(found, [("x + X".to_owned(), 4), ("vx + Xd".to_owned(), 4)]);
@@ -204,14 +207,14 @@ fn switching_of_friction_reaches_what_no_mode_reaches() {
 fn what_all_modes_conserve_stays_conserved_by_switching() {
     let c = [("c", ratio(1, 2))];
     let model = system(&["p", "q", "r"], &["u"], &c, &["-c*sign(r)", "c*sign(r)", "u"], &[], None);
-    let s = analyze_affine(&model, &Options::default()).unwrap().switched.unwrap();
+    let s = analyze_affine(&model, &AnalysisOptions::default()).unwrap().switched.unwrap();
     assert_eq!(answered(&s.autonomous), Answer::Known(vec!["p + q".into()]));
     let list = s.only_by_switching.known().unwrap();
     let reached: Vec<String> = list.iter().map(|f| f.function.to_string()).collect();
     assert_eq!(reached, ["p", "q"]);
     assert_eq!(list[0].reached_by.to_string(), "f(2)-f(1)");
     let model = system(&["p", "q"], &[], &c, &["-c*sign(p - q)", "c*sign(p - q)"], &[], None);
-    let s = analyze_affine(&model, &Options::default()).unwrap().switched.unwrap();
+    let s = analyze_affine(&model, &AnalysisOptions::default()).unwrap().switched.unwrap();
     assert!(answered(&s.autonomous).known().unwrap().contains(&"p + q".to_owned()));
     assert_eq!(s.only_by_switching, Answer::Known(Vec::new()));
 }
@@ -219,7 +222,10 @@ fn what_all_modes_conserve_stays_conserved_by_switching() {
 #[test]
 fn the_closure_of_the_input_fields_is_reported() {
     let closure = |dynamics: &[&str]| {
-        let r = analyze_affine(&system(&["x", "y", "z"], &["u", "v"], &[], dynamics, &[], None), &Options::default());
+        let r = analyze_affine(
+            &system(&["x", "y", "z"], &["u", "v"], &[], dynamics, &[], None),
+            &AnalysisOptions::default(),
+        );
         r.unwrap().involutive_closure
     };
     let Answer::Known(unicycle) = closure(&["u*cos(z)", "u*sin(z)", "v"]) else { panic!("a closure") };

@@ -2,7 +2,7 @@
 //! change with it.
 
 use crate::common::system;
-use bracketry_lie::{Answer, Options, PointReport, Report, Verdict, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Answer, PointReport, Report, Verdict, analyze_affine};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::System;
 use proptest::prelude::*;
@@ -86,7 +86,7 @@ fn model(k: usize) -> System {
 }
 
 fn report(system: &System) -> Report {
-    analyze_affine(system, &Options::default()).unwrap()
+    analyze_affine(system, &AnalysisOptions::default()).unwrap()
 }
 
 fn at_point(r: &Report) -> &PointReport {

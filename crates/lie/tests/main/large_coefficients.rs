@@ -1,7 +1,7 @@
 //! Systems whose coefficients are multiples of the primes of the exact tests, or mistaken for small numbers by them.
 
 use crate::common::{elementary, system};
-use bracketry_lie::{Answer, Evidence, Options, analyze_affine, observe};
+use bracketry_lie::{AnalysisOptions, Answer, Evidence, analyze_affine, observe};
 use bracketry_symbolic::{Residue, SECOND_PRIME, THIRD_PRIME};
 use proptest::prelude::*;
 
@@ -44,7 +44,7 @@ proptest! {
         let names: Vec<&str> = z.iter().map(String::as_str).collect();
         let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
         let s = system(&names, &["u"], &[], &dynamics, &[&x[k - 1]], Some(&[]));
-        let report = analyze_affine(&s, &Options::default()).unwrap();
+        let report = analyze_affine(&s, &AnalysisOptions::default()).unwrap();
         let right = |answer: &Answer<usize>, expected: usize| match answer {
             Answer::Known(d) => *d == expected,
             Answer::Unknown(_) => prime == 1,
@@ -54,7 +54,7 @@ proptest! {
             prop_assert!(right(&p.dimensions.strongly_accessible_dimension, k));
             prop_assert!(p.linear_controllability_rank.is_none_or(|r| r == k));
         }
-        let o = observe(&s, &Options::default(), &mut Evidence::default()).unwrap().unwrap();
+        let o = observe(&s, &AnalysisOptions::default(), &mut Evidence::default()).unwrap().unwrap();
         prop_assert!(right(&o.rank, k), "{:?}", o.rank);
     }
 }

@@ -1,7 +1,7 @@
 //! What outputs tell about states and parameters, against answers of the literature.
 
 use crate::common::{ratio, system};
-use bracketry_lie::{Answer, Direction, Error, Evidence, Named, ObservabilityReport, Options, observe};
+use bracketry_lie::{AnalysisOptions, Answer, Direction, Error, Evidence, Named, ObservabilityReport, observe};
 
 /// Analyzes `x' = dynamics` with generic-looking values of the parameters.
 fn report_on(
@@ -20,7 +20,8 @@ fn report_on(
     let (states, inputs): (Vec<&str>, Vec<&str>) =
         (states.split_whitespace().collect(), inputs.split_whitespace().collect());
     let s = system(&states, &inputs, &values, dynamics, outputs, None);
-    let options = Options { determined: asked.iter().map(|&t| t.to_owned()).collect(), ..Options::default() };
+    let options =
+        AnalysisOptions { determined: asked.iter().map(|&t| t.to_owned()).collect(), ..AnalysisOptions::default() };
     observe(&s, &options, &mut Evidence::default()).unwrap().unwrap()
 }
 
@@ -179,7 +180,7 @@ fn inputs_that_enter_nonlinearly_are_known() {
 fn a_function_that_cannot_be_read_is_an_error() {
     let s = system(&["x"], &[], &[("rate", ratio(1, 2))], &["-rate*x"], &["x"], None);
     let ask = |text: &str| {
-        let options = Options { determined: vec![text.to_owned()], ..Options::default() };
+        let options = AnalysisOptions { determined: vec![text.to_owned()], ..AnalysisOptions::default() };
         observe(&s, &options, &mut Evidence::default()).unwrap_err()
     };
     let Error::Function { text, problem } = ask("x*rat") else { panic!("a function that cannot be read") };

@@ -1,17 +1,17 @@
 //! What the inputs of the hyper-plate reach: published model with four integrators.
 
 use crate::common::{answered, disk, ellipse};
-use bracketry_lie::{Answer, Options, Report, Verdict, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Answer, Report, Verdict, analyze_affine};
 
 const REST: &[(&str, &str)] = &[];
 
 fn reports(point: Option<&[(&str, &str)]>) -> [Report; 2] {
-    [disk(point), ellipse(point)].map(|s| analyze_affine(&s, &Options::default()).unwrap())
+    [disk(point), ellipse(point)].map(|s| analyze_affine(&s, &AnalysisOptions::default()).unwrap())
 }
 
 #[test]
 fn an_ellipse_is_not_accessible_in_any_mode_and_two_sums_are_out_of_reach() {
-    let report = analyze_affine(&ellipse(None), &Options::default()).unwrap();
+    let report = analyze_affine(&ellipse(None), &AnalysisOptions::default()).unwrap();
     assert_eq!(report.modes.len(), 4);
     for mode in &report.modes {
         assert_eq!(mode.dimensions.growth, [3, 5, 7, 9, 9]);
@@ -25,7 +25,7 @@ fn an_ellipse_is_not_accessible_in_any_mode_and_two_sums_are_out_of_reach() {
 /// The yaw inertia of a disk does not depend on phi: w' = −s mu/2 thetadd as long as vx keeps its sign s.
 #[test]
 fn a_disk_also_turns_with_the_plate() {
-    let report = analyze_affine(&disk(None), &Options::default()).unwrap();
+    let report = analyze_affine(&disk(None), &AnalysisOptions::default()).unwrap();
     for mode in &report.modes {
         assert_eq!(mode.dimensions.growth, [3, 5, 7, 7]);
         assert_eq!(mode.dimensions.strong_growth, [2, 4, 6, 6]);
@@ -76,7 +76,7 @@ fn at_rest_the_smoothed_plate_is_accessible() {
 
 #[test]
 fn the_report_has_the_agreed_field_names() {
-    let report = analyze_affine(&ellipse(Some(REST)), &Options::default()).unwrap();
+    let report = analyze_affine(&ellipse(Some(REST)), &AnalysisOptions::default()).unwrap();
     let json = serde_json::to_value(&report).unwrap();
     assert_eq!(json["modes"][1]["signs"], serde_json::json!({"vx": 1, "vy": -1}));
     assert_eq!(json["modes"][0]["accessible_dimension"], 9);

@@ -1,7 +1,7 @@
 //! Local controllability of systems whose inputs have ranges, with answers known by construction.
 
 use crate::common::system;
-use bracketry_lie::{InputValues, Options, Stlc, Verdict, analyze_affine};
+use bracketry_lie::{AnalysisOptions, InputValues, Stlc, Verdict, analyze_affine};
 use proptest::prelude::*;
 
 const FAR: f64 = f64::INFINITY;
@@ -11,7 +11,7 @@ fn stlc(states: &str, ranges: &[(&str, f64, f64)], dynamics: &[&str], at: &[(&st
     let inputs: Vec<&str> = ranges.iter().map(|r| r.0).collect();
     let s = system(&states, &inputs, &[], dynamics, &[], Some(at));
     let ranges = ranges.iter().map(|(n, a, b)| ((*n).to_owned(), InputValues::Between(*a, *b))).collect();
-    let report = analyze_affine(&s, &Options { ranges, ..Options::default() }).unwrap();
+    let report = analyze_affine(&s, &AnalysisOptions { ranges, ..AnalysisOptions::default() }).unwrap();
     report.at_point.unwrap().known().unwrap().stlc.clone()
 }
 

@@ -1,11 +1,11 @@
 //! The necessary condition for flatness by ruled manifolds, on systems whose velocities are ruled or not by construction.
 
 use crate::common::{ratio, system};
-use bracketry_lie::{FlatnessReason, FlatnessReport, FlatnessVerdict, Options, analyze, analyze_affine};
+use bracketry_lie::{AnalysisOptions, FlatnessReason, FlatnessReport, FlatnessVerdict, analyze, analyze_affine};
 use bracketry_system::System;
 
 fn general(s: &System) -> FlatnessReport {
-    analyze(s, &Options::default()).unwrap().report.control.flatness.unwrap()
+    analyze(s, &AnalysisOptions::default()).unwrap().report.control.flatness.unwrap()
 }
 
 /// x' = u, y' = v, z' = `rate`.
@@ -40,7 +40,7 @@ fn surfaces_without_lines_exclude_flatness() {
     for rate in NOT_RULED {
         let found = general(&surface(rate));
         assert_eq!((found.verdict, found.reason), (FlatnessVerdict::No, FlatnessReason::NotRuled), "{rate}");
-        let found = analyze_affine(&prolonged(rate), &Options::default()).unwrap().control.flatness.unwrap();
+        let found = analyze_affine(&prolonged(rate), &AnalysisOptions::default()).unwrap().control.flatness.unwrap();
         assert_eq!(found.verdict, FlatnessVerdict::No, "prolonged: {rate}");
     }
 }
@@ -49,7 +49,7 @@ fn surfaces_without_lines_exclude_flatness() {
 fn surfaces_with_lines_do_not() {
     for rate in RULED {
         assert_ne!(general(&surface(rate)).verdict, FlatnessVerdict::No, "{rate}");
-        let found = analyze_affine(&prolonged(rate), &Options::default()).unwrap().control.flatness.unwrap();
+        let found = analyze_affine(&prolonged(rate), &AnalysisOptions::default()).unwrap().control.flatness.unwrap();
         assert_ne!(found.verdict, FlatnessVerdict::No, "prolonged: {rate}");
     }
 }

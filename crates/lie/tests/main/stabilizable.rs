@@ -1,11 +1,17 @@
 //! Whether feedback stabilizes an equilibrium: systems with known answers, in coordinates that hide them.
 
 use crate::common::system;
-use bracketry_lie::{Answer, InputValues, Options, PointReport, StabilizableReason, Verdict, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Answer, InputValues, PointReport, StabilizableReason, Verdict, analyze_affine};
 use proptest::prelude::*;
 
 /// What holds at the origin, or where the named variables have other values.
-fn report(states: &str, inputs: &str, dynamics: &[&str], at: &[(&str, &str)], options: &Options) -> PointReport {
+fn report(
+    states: &str,
+    inputs: &str,
+    dynamics: &[&str],
+    at: &[(&str, &str)],
+    options: &AnalysisOptions,
+) -> PointReport {
     let (states, inputs): (Vec<&str>, Vec<&str>) =
         (states.split_whitespace().collect(), inputs.split_whitespace().collect());
     let system = system(&states, &inputs, &[], dynamics, &[], Some(at));
@@ -13,7 +19,7 @@ fn report(states: &str, inputs: &str, dynamics: &[&str], at: &[(&str, &str)], op
 }
 
 fn stabilizable(states: &str, inputs: &str, dynamics: &[&str]) -> (Option<bool>, Option<StabilizableReason>) {
-    let r = report(states, inputs, dynamics, &[], &Options::default());
+    let r = report(states, inputs, dynamics, &[], &AnalysisOptions::default());
     (r.stabilizable.unwrap().known().copied(), r.stabilizable_reason)
 }
 
@@ -54,7 +60,7 @@ proptest! {
     #[test]
     fn jumps_do_not_stabilize(c in 1_i64..5, a in -2_i64..3) {
         let rate = format!("x^2 + {c}*x^3");
-        let r = report("x y z q", "u w", &["u", &rate, &format!("w + {a}*q"), "z"], &[], &Options::default());
+        let r = report("x y z q", "u w", &["u", &rate, &format!("w + {a}*q"), "z"], &[], &AnalysisOptions::default());
         prop_assert_eq!(r.stlc.verdict, Verdict::Yes);
         prop_assert_eq!(r.stlc.with_bounded_inputs(), Verdict::No);
         prop_assert_eq!(r.stabilizable, Some(Answer::Known(false)));
@@ -73,7 +79,7 @@ proptest! {
 fn ranges_of_inputs_are_kept() {
     let with = |lower: f64, upper: f64, u: &str| {
         let ranges = vec![("u".to_owned(), InputValues::Between(lower, upper))];
-        report("x", "u", &["u"], &[("u", u)], &Options { ranges, ..Options::default() })
+        report("x", "u", &["u"], &[("u", u)], &AnalysisOptions { ranges, ..AnalysisOptions::default() })
     };
     assert_eq!(with(-1.0, 1.0, "0").stabilizable, Some(Answer::Known(true)));
     assert_eq!(with(0.0, 1.0, "0").stabilizable, Some(Answer::Known(false)));
@@ -86,7 +92,13 @@ fn ranges_of_inputs_are_kept() {
 #[test]
 fn the_root_of_the_acceleration_of_gravity_is_exact_at_a_point() {
     for g in ["9.81", "9.8", "10", "981/1000"] {
-        let r = report("x y", "u", &["u", &format!("(sqrt({g})^2 - {g})*u + sqrt({g})*x")], &[], &Options::default());
+        let r = report(
+            "x y",
+            "u",
+            &["u", &format!("(sqrt({g})^2 - {g})*u + sqrt({g})*x")],
+            &[],
+            &AnalysisOptions::default(),
+        );
         assert_eq!(r.linear_controllability_rank, Some(2), "{g}");
     }
 }
@@ -99,7 +111,7 @@ fn constant_inputs_may_stabilize() {
     // V = x² − y² grows with every input.
     assert_ne!(stabilizable("x y", "u", &["x + u*y", "-2*y + u*x"]).0, Some(true));
     let ranges = vec![("u".to_owned(), InputValues::Between(0.0, 2.0))];
-    let options = Options { ranges, ..Options::default() };
+    let options = AnalysisOptions { ranges, ..AnalysisOptions::default() };
     assert_ne!(report("x", "u", &["x*u"], &[("u", "1")], &options).stabilizable, Some(Answer::Known(true)));
     // At rest at the end of the range: a tank without inflow.
     let tank = report(
@@ -107,7 +119,10 @@ fn constant_inputs_may_stabilize() {
         "q",
         &["q - 2*h"],
         &[],
-        &Options { ranges: vec![("q".to_owned(), InputValues::Between(0.0, 1.0))], ..Options::default() },
+        &AnalysisOptions {
+            ranges: vec![("q".to_owned(), InputValues::Between(0.0, 1.0))],
+            ..AnalysisOptions::default()
+        },
     );
     assert_eq!(tank.stabilizable_reason, Some(StabilizableReason::Stable));
 }
@@ -121,7 +136,7 @@ proptest! {
     fn brocketts_condition_for_quadratic_forms(a in -3_i64..4, b in -3_i64..4, c in -3_i64..4, k in -2_i64..3) {
         prop_assume!(b * b != 4 * a * c);
         let rate = format!("{a}*x^2 + {b}*x*y + {c}*y^2 + {k}*u");
-        let r = report("x y Z", "u v", &["u", "v", &rate], &[], &Options::default());
+        let r = report("x y Z", "u v", &["u", "v", &rate], &[], &AnalysisOptions::default());
         prop_assert_eq!(r.brockett_condition, Some(Answer::Known(b * b > 4 * a * c)), "{}", rate);
         // Two torques on a rigid body: by STLC and dynamic feedback.
         let decided = if b * b > 4 * a * c { Some(true) } else { Some(false) };
@@ -137,7 +152,7 @@ proptest! {
     fn functions_that_rise_with_one_sided_inputs(a in -3_i64..4, b in -3_i64..4, k in 1_i64..4) {
         let ranges = vec![("u".to_owned(), InputValues::Between(0.0, 1.0))];
         let rate = format!("{k}*u + {a}*2*y*v + {b}*v");
-        let r = report("X y", "u v", &[&rate, "v"], &[], &Options { ranges, ..Options::default() });
+        let r = report("X y", "u v", &[&rate, "v"], &[], &AnalysisOptions { ranges, ..AnalysisOptions::default() });
         prop_assert_eq!(r.stlc.with_bounded_inputs(), Verdict::No);
         prop_assert_eq!(r.stabilizable, Some(Answer::Known(false)));
     }
@@ -147,7 +162,7 @@ proptest! {
     fn forms_in_any_functions_have_their_sign(p in 1_i64..4, q in -3_i64..4, r in -3_i64..4) {
         let (f, g) = (format!("({p}*x + {q}*sin(y))"), format!("({r}*y + z)"));
         let rate = format!("2*{f}^2 + 2*{f}*{g} + 3*{g}^2");
-        let report = report("x y z", "u v", &["u", "v", &rate], &[], &Options::default());
+        let report = report("x y z", "u v", &["u", "v", &rate], &[], &AnalysisOptions::default());
         prop_assert_eq!(report.stlc.verdict, Verdict::No, "{}", rate);
         prop_assert_eq!(report.stabilizable, Some(Answer::Known(false)));
         prop_assert_eq!(report.brockett_condition, Some(Answer::Known(false)));

@@ -2,7 +2,7 @@
 
 use crate::common::{shown, system};
 use bracketry_lie::{
-    Answer, GeneralCondition, InputValues, Options, PointReport, Report, Side, Verdict, analyze_affine,
+    AnalysisOptions, Answer, GeneralCondition, InputValues, PointReport, Report, Side, Verdict, analyze_affine,
 };
 
 /// A system at its equilibrium 0 (if not said otherwise).
@@ -43,10 +43,10 @@ impl Case {
     }
 
     fn report(&self) -> Report {
-        self.report_with(&Options::default())
+        self.report_with(&AnalysisOptions::default())
     }
 
-    fn report_with(&self, options: &Options) -> Report {
+    fn report_with(&self, options: &AnalysisOptions) -> Report {
         let states: Vec<&str> = self.states.split(' ').collect();
         let inputs: Vec<&str> = self.inputs.split(' ').collect();
         let s = system(&states, &inputs, &[], self.dynamics, &[], Some(self.at));
@@ -210,7 +210,7 @@ fn inputs_without_bounds_jump() {
     ];
     for (c, ranges) in cases {
         let named = ranges.iter().map(|(n, a, b)| ((*n).to_owned(), InputValues::Between(*a, *b))).collect();
-        let stlc = point(&c.report_with(&Options { ranges: named, ..Options::default() })).stlc.clone();
+        let stlc = point(&c.report_with(&AnalysisOptions { ranges: named, ..AnalysisOptions::default() })).stlc.clone();
         assert_eq!(stlc.verdict, c.truth, "{}: {}", c.name, stlc.reason);
     }
 }
@@ -220,7 +220,7 @@ fn inputs_without_bounds_jump() {
 fn bounded_inputs_stay_near() {
     for c in CASES.iter().filter(|c| c.decided && c.truth == No && !c.dynamics.concat().contains("abs")) {
         let ranges = c.inputs.split(' ').map(|u| (u.to_owned(), InputValues::Between(-50.0, 50.0))).collect();
-        let report = c.report_with(&Options { ranges, ..Options::default() });
+        let report = c.report_with(&AnalysisOptions { ranges, ..AnalysisOptions::default() });
         assert_eq!(point(&report).stlc.verdict, No, "{}", c.name);
     }
 }
@@ -235,7 +235,7 @@ proptest::proptest! {
         let dynamics = ["u".to_owned(), format!("{odd}*x^3 + {even}*x^2 + {quartic}*x^4")];
         let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
         let s = system(&["x", "y"], &["u"], &[], &dynamics, &[], Some(&[]));
-        let stlc = point(&analyze_affine(&s, &Options::default()).unwrap()).stlc.clone();
+        let stlc = point(&analyze_affine(&s, &AnalysisOptions::default()).unwrap()).stlc.clone();
         // c(x) = x² (q x² + o x + e) has one sign just where o² ≤ 4 q e.
         let keeps_sign = odd * odd <= 4 * quartic * even;
         proptest::prop_assert!(stlc.verdict != if keeps_sign { Yes } else { No }, "{}", stlc.reason);
@@ -281,7 +281,7 @@ fn each_input_has_its_own_weight() {
 fn one_sided_inputs() {
     let verdict = |c: Case, ranges: &[(&str, f64, f64)]| {
         let ranges = ranges.iter().map(|(n, a, b)| ((*n).to_owned(), InputValues::Between(*a, *b))).collect();
-        let report = c.report_with(&Options { ranges, ..Options::default() });
+        let report = c.report_with(&AnalysisOptions { ranges, ..AnalysisOptions::default() });
         point(&report).stlc.verdict
     };
     let above = [("v", 0.0, f64::INFINITY)];
@@ -301,7 +301,8 @@ fn one_sided_inputs() {
     assert_eq!(verdict(case("aligned", "x y", "v w", &["v", "v + w"], No), &both), No);
     // The same said of the point only.
     let one_sided = vec![("v".to_owned(), Side::Above)];
-    let report = case("", "x", "v", &["v"], No).report_with(&Options { one_sided, ..Options::default() });
+    let report =
+        case("", "x", "v", &["v"], No).report_with(&AnalysisOptions { one_sided, ..AnalysisOptions::default() });
     assert_eq!(point(&report).stlc.verdict, No);
     // The input that is free to both sides suffices.
     assert_eq!(verdict(case("helped", "x y", "u v", &["y", "u + v"], Yes), &above), Yes);
@@ -312,7 +313,8 @@ fn one_sided_inputs() {
 fn inputs_that_balance_the_drift_lie_in_their_ranges() {
     let verdict = |values: Option<InputValues>| {
         let ranges = values.map(|v| ("v".to_owned(), v)).into_iter().collect();
-        let report = case("", "x y", "v", &["y", "v - 1"], Yes).report_with(&Options { ranges, ..Options::default() });
+        let report = case("", "x y", "v", &["y", "v - 1"], Yes)
+            .report_with(&AnalysisOptions { ranges, ..AnalysisOptions::default() });
         point(&report).stlc.verdict
     };
     assert_eq!(verdict(None), Yes);
@@ -327,7 +329,8 @@ fn inputs_that_balance_the_drift_lie_in_their_ranges() {
 #[test]
 fn a_range_of_no_input_is_an_error() {
     let s = system(&["x"], &["u"], &[], &["u"], &[], Some(&[]));
-    let options = Options { ranges: vec![("w".to_owned(), InputValues::Unknown)], ..Options::default() };
+    let options =
+        AnalysisOptions { ranges: vec![("w".to_owned(), InputValues::Unknown)], ..AnalysisOptions::default() };
     assert_eq!(analyze_affine(&s, &options).unwrap_err().to_string(), "there is no input w for this range");
 }
 
@@ -354,7 +357,7 @@ fn uncontrollable_modes_and_what_they_act_on() {
 fn brockett_condition_by_the_local_degree() {
     let condition = |states: &[&str], inputs: &[&str], rhs: &[&str]| {
         let s = crate::common::system(states, inputs, &[], rhs, &[], Some(&[]));
-        let report = bracketry_lie::analyze_affine(&s, &Options::default()).unwrap();
+        let report = bracketry_lie::analyze_affine(&s, &AnalysisOptions::default()).unwrap();
         report.at_point.unwrap().known().unwrap().brockett_condition.clone().unwrap().known().copied()
     };
     for (k, holds) in [(3, true), (5, true), (2, false), (4, false)] {

@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use bracketry_lie::{Error, Options, Undecided, analyze, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Error, Undecided, analyze, analyze_affine};
 use bracketry_system::System;
 
 #[test]
@@ -11,9 +11,9 @@ fn a_raised_flag_stops_the_analysis() {
     let text = "states = ['x', 'y', 'th']\ninputs = ['u1', 'u2']\n\
                 dynamics = { x = 'u1*cos(th)', y = 'u1*sin(th)', th = 'u2' }";
     let system = System::parse("unicycle", text).unwrap();
-    assert!(analyze_affine(&system, &Options::default()).is_ok());
+    assert!(analyze_affine(&system, &AnalysisOptions::default()).is_ok());
     system.pool.stop_flag().raise();
-    assert_eq!(analyze_affine(&system, &Options::default()), Err(Error::Undecided(Undecided::Stopped)));
+    assert_eq!(analyze_affine(&system, &AnalysisOptions::default()), Err(Error::Undecided(Undecided::Stopped)));
 }
 
 #[test]
@@ -27,12 +27,12 @@ fn after_the_time_limit_what_is_undecided_is_unknown() {
     ];
     for text in models {
         let system = System::parse("m", text).unwrap();
-        let options = Options { time_limit: Some(Duration::ZERO), ..Options::default() };
+        let options = AnalysisOptions { time_limit: Some(Duration::ZERO), ..AnalysisOptions::default() };
         let report = analyze_affine(&system, &options);
         assert!(report.is_ok_and(|r| !r.dimensions_decided()), "{text}");
         // A limit that is not reached changes nothing, nor does it stay with the model.
-        let unlimited = Options { time_limit: None, ..Options::default() };
-        let analysis = analyze(&system, &Options::default()).unwrap();
+        let unlimited = AnalysisOptions { time_limit: None, ..AnalysisOptions::default() };
+        let analysis = analyze(&system, &AnalysisOptions::default()).unwrap();
         assert_eq!(analysis.affinization.system.pool.deadline(), None);
         assert_eq!(analysis.report.modes, analyze(&system, &unlimited).unwrap().report.modes);
     }
@@ -49,7 +49,7 @@ fn a_large_system_ends_soon_after_its_time_limit() {
     let text = format!("states = [{}]\ninputs = ['u']\n[dynamics]\n{}", names.join(", "), rates.join("\n"));
     let system = System::parse("m", &text).unwrap();
     let start = Instant::now();
-    let options = Options { time_limit: Some(Duration::from_millis(300)), ..Options::default() };
+    let options = AnalysisOptions { time_limit: Some(Duration::from_millis(300)), ..AnalysisOptions::default() };
     assert!(analyze_affine(&system, &options).is_ok());
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }

@@ -2,7 +2,7 @@
 
 use crate::common::{ratio, shown, system};
 use bracketry_lie::{
-    Answer, Evidence, InputValues, Options, PointReport, Report, SwitchingTheorem, VectorFields, Verdict,
+    AnalysisOptions, Answer, Evidence, InputValues, PointReport, Report, SwitchingTheorem, VectorFields, Verdict,
     analyze_affine, mode_fields,
 };
 use bracketry_symbolic::Rational;
@@ -19,7 +19,7 @@ fn model(states: &str, inputs: &str, dynamics: &[&str]) -> System {
 }
 
 fn report(states: &str, inputs: &str, dynamics: &[&str]) -> Report {
-    analyze_affine(&model(states, inputs, dynamics), &Options::default()).unwrap()
+    analyze_affine(&model(states, inputs, dynamics), &AnalysisOptions::default()).unwrap()
 }
 
 /// Accessible and strongly accessible dimension over all modes, where both are known.
@@ -279,7 +279,7 @@ fn what_the_inputs_cancel_does_not_matter() {
 fn friction_holds_what_bounded_forces_do_not_overcome() {
     let judge = |dynamics: [&str; 2], range: f64| {
         let ranges = vec![("F".to_owned(), InputValues::Between(-range, range))];
-        let options = Options { ranges, ..Options::default() };
+        let options = AnalysisOptions { ranges, ..AnalysisOptions::default() };
         let r = analyze_affine(&model("x v", "F", &dynamics), &options).unwrap();
         let p = at_point(&r).clone();
         assert_eq!(p.equilibrium, Answer::Known(true));
@@ -312,7 +312,7 @@ fn what_does_not_change_in_any_mode_excludes_stabilization() {
     let sliding = |range: f64| {
         let system = system(&["x", "v"], &["F"], &[], &["v", "F - 2*sign(v)"], &[], Some(&[]));
         let ranges = vec![("F".to_owned(), InputValues::Between(-range, range))];
-        let options = Options { ranges, ..Options::default() };
+        let options = AnalysisOptions { ranges, ..AnalysisOptions::default() };
         analyze_affine(&system, &options).unwrap()
     };
     assert_eq!(at_point(&sliding(1.5)).stabilizable, Some(Answer::Known(false)));

@@ -1,14 +1,14 @@
 //! Linear systems with known eigenvalues that no input reaches, in coordinates that hide them.
 
 use crate::common::system;
-use bracketry_lie::{Answer, Mode, Options, PointReport, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Answer, PointReport, UncontrollableMode, analyze_affine};
 use proptest::prelude::*;
 
 fn report(states: &[String], dynamics: &[String]) -> PointReport {
     let states: Vec<&str> = states.iter().map(String::as_str).collect();
     let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
     let s = system(&states, &["u"], &[], &dynamics, &[], Some(&[]));
-    analyze_affine(&s, &Options::default()).unwrap().at_point.unwrap().known().unwrap().clone()
+    analyze_affine(&s, &AnalysisOptions::default()).unwrap().at_point.unwrap().known().unwrap().clone()
 }
 
 fn names(n: usize) -> Vec<String> {
@@ -24,7 +24,7 @@ fn linear(a: &[Vec<i64>], b: &[i64]) -> Vec<String> {
     a.iter().zip(b).map(row).collect()
 }
 
-fn modes(report: &PointReport) -> Vec<Mode> {
+fn modes(report: &PointReport) -> Vec<UncontrollableMode> {
     report.uncontrollable_modes.clone().unwrap().known().unwrap().clone()
 }
 

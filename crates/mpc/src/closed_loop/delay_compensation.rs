@@ -4,7 +4,7 @@ use crate::controller::{Controller, Step, forward_to};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use crate::transcription::Transcription;
 use std::collections::VecDeque;
 
@@ -22,7 +22,7 @@ pub struct DelayCompensated<C> {
     /// Input decided last.
     last: Vec<f64>,
     /// One interval, for the choice of its substeps.
-    held: Trajectory,
+    held: PlannedTrajectory,
 }
 
 impl<C: Controller> DelayCompensated<C> {
@@ -37,7 +37,7 @@ impl<C: Controller> DelayCompensated<C> {
         check_length("the delayed input", first.len(), model.ocp.inputs())?;
         controller.set_start(delay);
         let x = vec![0.0; model.ocp.states()];
-        let held = Trajectory::constant(1, &x, first);
+        let held = PlannedTrajectory::constant(1, &x, first);
         let pending = vec![first.to_vec(); delay].into();
         Ok(Self { controller, model, pending, k: 0, x, last: first.to_vec(), held })
     }

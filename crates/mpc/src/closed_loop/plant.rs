@@ -1,7 +1,7 @@
 //! The thing that is controlled.
 
 use crate::dynamics::Dynamics;
-use crate::error::{PlantError, check_length, check_value};
+use crate::error::{PlantFailure, check_length, check_value};
 use crate::integrator::{Integrator, Interval};
 use crate::transcription::Shooter;
 use bracketry_sim::{DiscreteModel, ExactPlant, Model, NoRoot, Outcome, StopReason, Trajectory};
@@ -12,7 +12,7 @@ pub trait Plant {
     ///
     /// # Errors
     /// Whatever stops the plant.
-    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError>;
+    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantFailure>;
 }
 
 /// A plant with the dynamics of a model, integrated by the classical Runge–Kutta method.
@@ -71,7 +71,7 @@ impl RungeKuttaPlant {
 impl Plant for RungeKuttaPlant {
     /// # Errors
     /// [`PlantEquations`] where algebraic equations have no solution.
-    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantFailure> {
         self.advance(Interval { t, dt, substeps: self.substeps, u }, x);
         match self.dynamics.take_failure() {
             Some((t, failure)) if x.iter().any(|v| !v.is_finite()) => Err(Box::new(PlantEquations { t, failure })),
@@ -85,7 +85,7 @@ impl Plant for DiscreteModel {
     /// # Errors
     /// [`MpcError::Value`](crate::MpcError::Value) for a time that is shorter than the period,
     /// [`MpcError::Length`](crate::MpcError::Length) for a vector of the wrong length.
-    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantFailure> {
         check_length("the state of the plant", x.len(), self.states())?;
         check_length("the inputs of the plant", u.len(), self.inputs())?;
         let steps = (dt / self.period()).round();
@@ -99,7 +99,7 @@ impl Plant for DiscreteModel {
 impl Plant for ExactPlant {
     /// # Errors
     /// [`PlantStopped`] where the simulation ends, [`bracketry_sim::PlantError`] where a length is wrong.
-    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantFailure> {
         if self.state() != x {
             self.set_state(x)?;
         }

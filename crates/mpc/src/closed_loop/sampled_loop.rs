@@ -6,7 +6,7 @@ use super::plant::Plant;
 use crate::controller::{Controller, Step, StepLimits, StepStatus, Timings};
 use crate::error::{MpcError, check_flag, check_length};
 use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use bracketry_symbolic::StopFlag;
 use std::collections::VecDeque;
 
@@ -56,7 +56,7 @@ pub struct Sample {
     /// What the controller answered; with a delay its input is applied later.
     pub step: Step,
     /// The plan behind the answer, where predictions are kept.
-    pub prediction: Option<Trajectory>,
+    pub prediction: Option<PlannedTrajectory>,
 }
 
 /// A closed loop that is run sample by sample and keeps nothing of the past but counts and cost.
@@ -174,7 +174,7 @@ pub struct ClosedLoop {
     /// Outcome of each sample.
     pub steps: Vec<Step>,
     /// The plan behind each input, where predictions are kept. With delay compensation it starts where the input begins to act.
-    pub predictions: Vec<Trajectory>,
+    pub predictions: Vec<PlannedTrajectory>,
     /// Σ dt·stage cost at the sampled states with the applied inputs.
     pub cost: f64,
     /// Counted outcomes.

@@ -1,10 +1,10 @@
 //! The measured state in front of a controller of all branches of a scenario tree.
 
-use super::interface::{Controller, Figures, forward_to};
+use super::interface::{Controller, PlanErrors, forward_to};
 use super::step::{Step, StepStatus};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// A controller of one system around one of all branches of its scenario tree: every branch starts in the measured state, and the
 /// first input, which the branches share, is applied.
@@ -20,7 +20,7 @@ pub(crate) struct Branches {
     k: usize,
     x: Vec<f64>,
     step: Step,
-    plan: Trajectory,
+    plan: PlannedTrajectory,
     /// Largest violation of a bound or constraint that a plan predicts in any branch.
     violation: Option<f64>,
 }
@@ -41,9 +41,9 @@ impl Branches {
 }
 
 /// The trajectory of one of the branches; `own` is its problem.
-pub(crate) fn shown_branch(all: &Trajectory, own: &Ocp, branches: usize, branch: usize) -> Trajectory {
+pub(crate) fn shown_branch(all: &PlannedTrajectory, own: &Ocp, branches: usize, branch: usize) -> PlannedTrajectory {
     let (n, m, previous) = (own.model_states(), own.inputs(), own.previous_inputs.len());
-    let mut shown = Trajectory::constant(all.steps(), &vec![0.0; n + previous], &vec![0.0; m]);
+    let mut shown = PlannedTrajectory::constant(all.steps(), &vec![0.0; n + previous], &vec![0.0; m]);
     for k in 0..=all.steps() {
         let remembered = branches * n + branch * previous;
         shown.x_mut(k)[..n].copy_from_slice(&all.x(k)[branch * n..(branch + 1) * n]);
@@ -89,7 +89,7 @@ impl Controller for Branches {
         self.show_plan();
         Ok(())
     }
-    fn plan(&self) -> &Trajectory {
+    fn plan(&self) -> &PlannedTrajectory {
         &self.plan
     }
     fn ocp(&self) -> &Ocp {
@@ -109,7 +109,7 @@ impl Controller for Branches {
         self.k = k0;
         self.controller.set_start(k0);
     }
-    fn figures(&self) -> Figures {
-        Figures { predicted_violation: self.violation, ..self.controller.figures() }
+    fn figures(&self) -> PlanErrors {
+        PlanErrors { predicted_violation: self.violation, ..self.controller.figures() }
     }
 }

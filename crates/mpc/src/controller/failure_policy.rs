@@ -2,7 +2,7 @@
 
 use super::step::InputSource;
 use crate::error::{MpcError, check_length, check_value};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// One input that brakes one velocity: u = rest − rate · v, within the input's bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,12 +152,17 @@ impl Failures {
     }
 
     /// The input planned for now.
-    pub(crate) fn plan<'a>(&self, trajectory: &'a Trajectory) -> Option<&'a [f64]> {
+    pub(crate) fn plan<'a>(&self, trajectory: &'a PlannedTrajectory) -> Option<&'a [f64]> {
         (self.planned > 0 && trajectory.steps() > 0).then(|| trajectory.u(0))
     }
 
     /// Writes the policy's input to `u`.
-    pub(crate) fn decide(&mut self, trajectory: &Trajectory, bounds: &[(f64, f64)], u: &mut [f64]) -> InputSource {
+    pub(crate) fn decide(
+        &mut self,
+        trajectory: &PlannedTrajectory,
+        bounds: &[(f64, f64)],
+        u: &mut [f64],
+    ) -> InputSource {
         let plan = self.plan(trajectory);
         let source = self.policy.decide(self.in_a_row, plan, &self.x, &self.rest, bounds, u);
         self.in_a_row += 1;
@@ -165,7 +170,7 @@ impl Failures {
     }
 
     /// Writes the planned input to `u`, or the rest input.
-    pub(crate) fn play_out(&self, trajectory: &Trajectory, bounds: &[(f64, f64)], u: &mut [f64]) -> InputSource {
+    pub(crate) fn play_out(&self, trajectory: &PlannedTrajectory, bounds: &[(f64, f64)], u: &mut [f64]) -> InputSource {
         let plan = self.plan(trajectory);
         FailurePolicy::ShiftedInput.decide(self.in_a_row, plan, &self.x, &self.rest, bounds, u)
     }

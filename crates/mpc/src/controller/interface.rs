@@ -4,7 +4,7 @@ use super::step::{Step, StepLimits};
 use crate::error::{MpcError, check_length};
 use crate::estimation::Estimate;
 use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Implements the named methods of `Controller` by those of the controller inside:
 /// `forward_to!(self => self.controller; prepare, plan)`.
@@ -38,7 +38,7 @@ macro_rules! forward_to {
         }
     };
     (@ plan, $this:ident, $inner:expr) => {
-        fn plan(&$this) -> &$crate::Trajectory {
+        fn plan(&$this) -> &$crate::PlannedTrajectory {
             $inner.plan()
         }
     };
@@ -63,12 +63,12 @@ macro_rules! forward_to {
         }
     };
     (@ relaxed_plan, $this:ident, $inner:expr) => {
-        fn relaxed_plan(&$this) -> Option<&$crate::Trajectory> {
+        fn relaxed_plan(&$this) -> Option<&$crate::PlannedTrajectory> {
             $inner.relaxed_plan()
         }
     };
     (@ figures, $this:ident, $inner:expr) => {
-        fn figures(&$this) -> $crate::Figures {
+        fn figures(&$this) -> $crate::PlanErrors {
             $inner.figures()
         }
     };
@@ -83,7 +83,7 @@ pub(crate) use forward_to;
 
 /// What a controller tells of its samples so far, beyond its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Figures {
+pub struct PlanErrors {
     /// Largest violation of a bound or constraint that a plan predicts in any branch of a scenario tree, each in its own unit.
     pub predicted_violation: Option<f64>,
     /// Largest |∫ (relaxed − rounded) dt| of an input of a finite set, in its unit times seconds.
@@ -132,7 +132,7 @@ pub trait Controller: Send {
         None
     }
     /// The trajectory that the last input comes from; after [`Controller::shift`], the one that the next sample starts from.
-    fn plan(&self) -> &Trajectory;
+    fn plan(&self) -> &PlannedTrajectory;
     /// The problem that the controller solves.
     fn ocp(&self) -> &Ocp;
     /// Changes references, bounds, values of targets or tabulated parameters of the problem, from the next preparation on. A
@@ -146,12 +146,12 @@ pub trait Controller: Send {
     /// Limits the next step alone.
     fn limit_next_step(&mut self, limits: StepLimits);
     /// The first plan, where inputs of finite sets are rounded: the one before rounding.
-    fn relaxed_plan(&self) -> Option<&Trajectory> {
+    fn relaxed_plan(&self) -> Option<&PlannedTrajectory> {
         None
     }
     /// What it tells of its samples so far; nothing, unless it says so.
-    fn figures(&self) -> Figures {
-        Figures::default()
+    fn figures(&self) -> PlanErrors {
+        PlanErrors::default()
     }
     /// Gives the live parameters of the model these values. A controller has none unless it says so.
     ///

@@ -12,7 +12,7 @@ pub(crate) use branches::{Branches, shown_branch};
 pub use failure_policy::{Brake, FailurePolicy};
 pub(crate) use failure_policy::{Failures, rest_input};
 pub(crate) use interface::forward_to;
-pub use interface::{Controller, Figures};
+pub use interface::{Controller, PlanErrors};
 pub(crate) use previous_input::WithPreviousInput;
 pub(crate) use rounded::Rounded;
 pub use step::{FallbackReason, InputSource, SolverEffort, Step, StepLimits, StepStatus, Timings};

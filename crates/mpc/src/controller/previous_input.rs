@@ -4,7 +4,7 @@ use super::interface::{Controller, forward_to};
 use super::step::{Step, StepStatus};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// A controller of the dynamics' state around one whose problem has [`previous inputs`](Ocp::previous_inputs): it appends to
 /// every measured state the input decided last, wherever that came from. Inputs of a failure policy keep the limits of the rates.
@@ -17,7 +17,7 @@ pub(crate) struct WithPreviousInput {
     x: Vec<f64>,
     step: Step,
     /// The plan of the controller without previous inputs.
-    plan: Trajectory,
+    plan: PlannedTrajectory,
 }
 
 impl WithPreviousInput {
@@ -72,7 +72,7 @@ impl Controller for WithPreviousInput {
         self.copy_plan();
         Ok(())
     }
-    fn plan(&self) -> &Trajectory {
+    fn plan(&self) -> &PlannedTrajectory {
         &self.plan
     }
     fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {

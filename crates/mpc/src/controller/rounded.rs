@@ -1,10 +1,10 @@
 //! Inputs of finite sets behind a controller that plans with all values between their ends.
 
-use super::interface::{Controller, Figures, forward_to};
+use super::interface::{Controller, PlanErrors, forward_to};
 use super::step::{Step, StepStatus};
 use super::sum_up_rounding::SumUpRounding;
 use crate::error::MpcError;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// An input of a finite set: its rounding up to the sample before, and including the present one.
 struct FiniteInput {
@@ -20,7 +20,7 @@ pub(crate) struct Rounded {
     inputs: Vec<FiniteInput>,
     step: Step,
     /// The first plan, before rounding.
-    relaxed: Option<Trajectory>,
+    relaxed: Option<PlannedTrajectory>,
     /// Largest |∫ (relaxed − rounded) dt| so far.
     largest: f64,
 }
@@ -64,10 +64,10 @@ impl Controller for Rounded {
         }
         self.controller.shift();
     }
-    fn figures(&self) -> Figures {
-        Figures { rounding_error: Some(self.largest), ..self.controller.figures() }
+    fn figures(&self) -> PlanErrors {
+        PlanErrors { rounding_error: Some(self.largest), ..self.controller.figures() }
     }
-    fn relaxed_plan(&self) -> Option<&Trajectory> {
+    fn relaxed_plan(&self) -> Option<&PlannedTrajectory> {
         self.relaxed.as_ref()
     }
 }

@@ -7,8 +7,8 @@ use super::problem::{EstimationProblem, Outliers};
 use crate::error::{MpcError, check_length};
 use crate::ocp::{Bounds, CostFunction, Ocp, Softness};
 use crate::qp::{Qp, QpSettings};
-use crate::trajectory::Trajectory;
-use crate::transcription::Linearization;
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::ShootingLinearization;
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
@@ -74,8 +74,8 @@ pub struct MovingHorizon {
     nodes: VecDeque<Node>,
     ocp: Ocp,
     qp: Qp,
-    trajectory: Trajectory,
-    lin: Linearization,
+    trajectory: PlannedTrajectory,
+    lin: ShootingLinearization,
     /// Intervals that let in the prior.
     entries: usize,
     /// Columns per interval: noise, or a part of ζ.
@@ -145,11 +145,11 @@ impl MovingHorizon {
         let (mean, covariance) = (model.start.clone(), prior(model));
         let node = Node { z: mean.clone(), w: Vec::new(), u: Vec::new(), y: Vec::new(), hide: true };
         Ok(Self {
-            trajectory: Trajectory::constant(steps, mean.as_slice(), &vec![0.0; columns]),
-            lin: Linearization {
+            trajectory: PlannedTrajectory::constant(steps, mean.as_slice(), &vec![0.0; columns]),
+            lin: ShootingLinearization {
                 end: vec![0.0; steps * n],
                 jacobian: vec![0.0; steps * n * (n + columns)],
-                ..Linearization::default()
+                ..ShootingLinearization::default()
             },
             hidden_before: vec![false; n],
             room: Room::of(&head.model, settings.horizon),

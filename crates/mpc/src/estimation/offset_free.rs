@@ -7,7 +7,7 @@ use crate::controller::{Controller, Step, StepLimits};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
 use crate::rti::Rti;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Gives a controller the steady state and input that belong to a reference under the estimated disturbance, and keeps its
 /// hands still where friction holds the state within a dead band of the reference.
@@ -120,7 +120,7 @@ impl Controller for OffsetFree {
         Controller::shift(&mut self.controller);
     }
 
-    fn plan(&self) -> &Trajectory {
+    fn plan(&self) -> &PlannedTrajectory {
         self.controller.trajectory()
     }
 

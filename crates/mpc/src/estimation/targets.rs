@@ -6,7 +6,7 @@ use crate::dynamics::SymbolicDynamics;
 use crate::error::{MpcError, check_length};
 use crate::ocp::{CostFunction, Ocp, TerminalTarget};
 use crate::sqp::{SolveStatus, Sqp, SqpSettings};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use bracketry_symbolic::Rational;
 use bracketry_system::Parameter;
 
@@ -58,7 +58,7 @@ pub struct SteadyTarget {
 /// J. B. Rawlings, Disturbance models for offset-free model-predictive control, AIChE Journal 49 (2003).
 pub struct TargetCalculator {
     sqp: Sqp,
-    guess: Trajectory,
+    guess: PlannedTrajectory,
     states: usize,
     references: usize,
     /// Number of parameters and disturbances.
@@ -131,7 +131,7 @@ impl TargetCalculator {
         let mut start = problem.initial.clone();
         start.extend(vec![0.0; m]);
         Ok(Self {
-            guess: Trajectory::constant(1, &vec![0.0; ocp.states()], &start),
+            guess: PlannedTrajectory::constant(1, &vec![0.0; ocp.states()], &start),
             sqp: Sqp::new(Box::new(dynamics), ocp, settings)?,
             states: n,
             references: controlled.len(),

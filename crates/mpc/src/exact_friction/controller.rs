@@ -12,8 +12,8 @@ use crate::error::{MpcError, check_flag, check_length, check_value};
 use crate::ocp::Ocp;
 use crate::qp::{Qp, QpSettings, QpStatus};
 use crate::sqp::{Sqp, SqpSettings};
-use crate::trajectory::Trajectory;
-use crate::transcription::{Linearization, Shooter, Transcription};
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::{Shooter, ShootingLinearization, Transcription};
 use bracketry_sim::ModeChange;
 use bracketry_symbolic::StopFlag;
 use bracketry_system::System;
@@ -84,7 +84,7 @@ impl StickSlipSettings {
 ///
 /// ```
 /// use bracketry_mpc::{
-///     Controller, CostFunction, CostKind, Ocp, StickSlipController, StickSlipSettings, Trajectory,
+///     Controller, CostFunction, CostKind, Ocp, StickSlipController, StickSlipSettings, PlannedTrajectory,
 /// };
 /// use bracketry_system::System;
 /// let block = System::parse("block.toml", r#"
@@ -94,7 +94,7 @@ impl StickSlipSettings {
 /// "#).unwrap();
 /// let mut ocp = Ocp::new(2, 1, 20, 0.05);
 /// ocp.stage = Some(CostFunction::parse(&block, CostKind::Stage, &[], "x^2 + 1e-3*a^2").unwrap());
-/// let guess = Trajectory::constant(20, &[-1.0, 0.0], &[0.0]);
+/// let guess = PlannedTrajectory::constant(20, &[-1.0, 0.0], &[0.0]);
 /// let mut controller = StickSlipController::new(&block, ocp, guess, StickSlipSettings::default()).unwrap();
 /// assert!(controller.step(&[-1.0, 0.0]).unwrap().u[0] > 1.0, "only more than friction moves the block");
 /// ```
@@ -102,7 +102,7 @@ pub struct StickSlipController {
     problem: ExactProblem,
     qp: Qp,
     settings: StickSlipSettings,
-    plan: Trajectory,
+    plan: PlannedTrajectory,
     step: Step,
     failures: Failures,
     limits: StepLimits,
@@ -112,9 +112,9 @@ pub struct StickSlipController {
     smoothed: SolverEffort,
     dynamics: SymbolicDynamics,
     smooth: Option<Transcription>,
-    smooth_lin: Linearization,
+    smooth_lin: ShootingLinearization,
     /// The solution of the problem with the widest smoothing, where it is there before the first plan is made.
-    widest: Option<Trajectory>,
+    widest: Option<PlannedTrajectory>,
     start: Instant,
     qp_seconds: f64,
 }
@@ -130,7 +130,12 @@ impl StickSlipController {
     ///
     /// # Errors
     /// If the problem contradicts itself, the system, the guess or the settings.
-    pub fn new(system: &System, ocp: Ocp, guess: Trajectory, settings: StickSlipSettings) -> Result<Self, MpcError> {
+    pub fn new(
+        system: &System,
+        ocp: Ocp,
+        guess: PlannedTrajectory,
+        settings: StickSlipSettings,
+    ) -> Result<Self, MpcError> {
         settings.check()?;
         let live: Vec<&str> = settings.live_parameters.iter().map(String::as_str).collect();
         let dynamics = SymbolicDynamics::with_live_parameters(system, &live)?;
@@ -149,7 +154,7 @@ impl StickSlipController {
         Ok(Self {
             qp,
             smooth: width.map(|_| smooth),
-            smooth_lin: Linearization::default(),
+            smooth_lin: ShootingLinearization::default(),
             widest: None,
             step: Step::undecided(ocp.inputs()),
             plan: guess,
@@ -180,7 +185,7 @@ impl StickSlipController {
     }
 
     /// The trajectory that the next input comes from.
-    pub fn plan(&self) -> &Trajectory {
+    pub fn plan(&self) -> &PlannedTrajectory {
         &self.plan
     }
 
@@ -188,7 +193,7 @@ impl StickSlipController {
     ///
     /// # Errors
     /// If `x` has the wrong length.
-    pub fn plan_from(&mut self, x: &[f64]) -> Result<&Trajectory, MpcError> {
+    pub fn plan_from(&mut self, x: &[f64]) -> Result<&PlannedTrajectory, MpcError> {
         check_length("the initial state", x.len(), self.problem.ocp.states())?;
         self.start = Instant::now();
         if x.iter().all(|v| v.is_finite()) {
@@ -202,7 +207,7 @@ impl StickSlipController {
     ///
     /// # Errors
     /// If `x` has the wrong length.
-    pub(crate) fn smoothed_plan(&mut self, x: &[f64]) -> Result<Trajectory, MpcError> {
+    pub(crate) fn smoothed_plan(&mut self, x: &[f64]) -> Result<PlannedTrajectory, MpcError> {
         check_length("the initial state", x.len(), self.problem.ocp.states())?;
         let (guess, _) = self.guess_from(x);
         let Some(&width) = self.settings.smoothing.first().filter(|_| self.smooth.is_some()) else { return Ok(guess) };
@@ -212,7 +217,7 @@ impl StickSlipController {
     }
 
     /// The inputs of the plan from the state `x`, with their cost.
-    fn guess_from(&mut self, x: &[f64]) -> (Trajectory, f64) {
+    fn guess_from(&mut self, x: &[f64]) -> (PlannedTrajectory, f64) {
         let mut z = self.plan.clone();
         z.x_mut(0).copy_from_slice(x);
         z.clamp_inputs(&self.problem.ocp.input_bounds);
@@ -231,7 +236,7 @@ impl StickSlipController {
     }
 
     /// The solution with friction smoothed to this width.
-    fn solve_smoothed(&mut self, width: f64, guess: &Trajectory) -> Result<Trajectory, MpcError> {
+    fn solve_smoothed(&mut self, width: f64, guess: &PlannedTrajectory) -> Result<PlannedTrajectory, MpcError> {
         let mut dynamics = self.dynamics.clone();
         dynamics.set_smoothing(width);
         let sqp = Sqp::new(Box::new(dynamics), self.problem.ocp.clone(), self.smoothed_settings())?;
@@ -239,7 +244,7 @@ impl StickSlipController {
     }
 
     /// The solution of another solver, from where the horizon starts now.
-    fn solve_with(&mut self, mut sqp: Sqp, guess: &Trajectory) -> Result<Trajectory, MpcError> {
+    fn solve_with(&mut self, mut sqp: Sqp, guess: &PlannedTrajectory) -> Result<PlannedTrajectory, MpcError> {
         sqp.set_start(self.problem.k0);
         let solution = sqp.solve(guess.x(0), guess)?;
         self.smoothed += solution.effort();
@@ -254,7 +259,7 @@ impl StickSlipController {
         self.problem.intervals.iter().flat_map(|i| &i.changes).copied().collect()
     }
 
-    fn solve_program(&mut self, z: &Trajectory, smooth: bool) -> Result<QpStatus, MpcError> {
+    fn solve_program(&mut self, z: &PlannedTrajectory, smooth: bool) -> Result<QpStatus, MpcError> {
         let lin = if smooth { &self.smooth_lin } else { &self.problem.lin };
         let proximal = if self.lambda < MIN_PROXIMAL { 0.0 } else { self.lambda };
         let start = Instant::now();
@@ -265,7 +270,7 @@ impl StickSlipController {
     }
 
     /// `z` with the inputs moved by `alpha` times the step of the program.
-    fn moved(&self, z: &Trajectory, alpha: f64) -> Trajectory {
+    fn moved(&self, z: &PlannedTrajectory, alpha: f64) -> PlannedTrajectory {
         let mut trial = z.moved(alpha, &self.qp.solution.dx, &self.qp.solution.du);
         trial.x_mut(0).copy_from_slice(z.x(0));
         trial.clamp_inputs(&self.problem.ocp.input_bounds);
@@ -273,7 +278,7 @@ impl StickSlipController {
     }
 
     /// One program along `z`; the step it proposes is taken, shortened if need be, where the exact cost falls.
-    fn improve(&mut self, z: &mut Trajectory, cost: &mut f64) -> Result<QpStatus, MpcError> {
+    fn improve(&mut self, z: &mut PlannedTrajectory, cost: &mut f64) -> Result<QpStatus, MpcError> {
         if !self.problem.linearize(z) {
             return Ok(QpStatus::NotANumber);
         }
@@ -302,7 +307,7 @@ impl StickSlipController {
     }
 
     /// Lets slip what sticks at the start, if that pays.
-    fn break_loose(&mut self, z: &mut Trajectory, cost: &mut f64) -> Result<(), MpcError> {
+    fn break_loose(&mut self, z: &mut PlannedTrajectory, cost: &mut f64) -> Result<(), MpcError> {
         if self.smooth.is_none() || !self.problem.sticks_at_start(z) || !self.problem.linearize(z) {
             return Ok(());
         }
@@ -344,12 +349,12 @@ impl StickSlipController {
     }
 
     /// The best first plan: of the guess, and of solutions of smoothed problems, by their exact roll-outs.
-    fn first_plan(&mut self, z: &mut Trajectory, cost: &mut f64) -> Result<(), MpcError> {
+    fn first_plan(&mut self, z: &mut PlannedTrajectory, cost: &mut f64) -> Result<(), MpcError> {
         if self.smooth.is_none() {
             return Ok(());
         }
         let guess = z.clone();
-        let mut candidates: Vec<Trajectory> = Vec::new();
+        let mut candidates: Vec<PlannedTrajectory> = Vec::new();
         // Whole steps find good solutions through states that a merit function forbids; the guarded iteration converges where
         // they do not.
         let mut solved = self.widest.take();
@@ -456,7 +461,7 @@ impl Controller for StickSlipController {
         self.problem.advance(&mut self.plan, last);
     }
 
-    fn plan(&self) -> &Trajectory {
+    fn plan(&self) -> &PlannedTrajectory {
         &self.plan
     }
 

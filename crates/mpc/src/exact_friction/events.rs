@@ -1,7 +1,7 @@
 //! Events of the exact flow: where they lie, and how modes and derivative change there.
 
 use super::flow::{SIGN_TOLERANCE, Span, StickSlipFlow};
-use bracketry_sim::{Mode, ModeChange, Saltation};
+use bracketry_sim::{FrictionMode, ModeChange, Saltation};
 
 /// How far a located σ may lie beyond zero.
 const SURFACE_TOLERANCE: f64 = 1e-12;
@@ -17,7 +17,7 @@ impl StickSlipFlow {
                 continue;
             }
             let room = match self.modes[i] {
-                Mode::Sticking => (1.0 - self.signs[i].abs()) / SIGN_TOLERANCE,
+                FrictionMode::Sticking => (1.0 - self.signs[i].abs()) / SIGN_TOLERANCE,
                 mode => mode.sign() * self.field.surface(i) / SURFACE_TOLERANCE,
             };
             if room < least.0 {
@@ -95,7 +95,7 @@ impl StickSlipFlow {
     pub(super) fn cross(&mut self, t: f64, x: &[f64], u: &[f64], switch: usize, derive: bool) -> bool {
         self.resolve(t, x, u);
         self.jump.copy_from_slice(&self.f);
-        let slid = self.modes[switch] != Mode::Sticking;
+        let slid = self.modes[switch] != FrictionMode::Sticking;
         let rate = self.rates[switch];
         if derive && slid {
             self.field.differentiate(t, x, u, &self.signs);
@@ -104,9 +104,9 @@ impl StickSlipFlow {
         let mut old = std::mem::take(&mut self.modes_before);
         old.clone_from(&self.modes);
         let zero = self.stuck.iter().fold(1u64 << switch, |z, &i| z | 1 << i);
-        self.modes[switch] = if slid { Mode::Sticking } else { Mode::of_sign(self.signs[switch]) };
+        self.modes[switch] = if slid { FrictionMode::Sticking } else { FrictionMode::of_sign(self.signs[switch]) };
         if slid && !self.field.sticks[switch] {
-            self.modes[switch] = Mode::of_sign(-old[switch].sign());
+            self.modes[switch] = FrictionMode::of_sign(-old[switch].sign());
         }
         let settled = self.settle(t, x, u, zero);
         if derive && slid && rate != 0.0 {

@@ -9,7 +9,7 @@
 use super::switched_field::SwitchedField;
 use crate::integrator::Interval;
 use bracketry_numerics::dense::Lu;
-use bracketry_sim::{Mode, ModeChange};
+use bracketry_sim::{FrictionMode, ModeChange};
 
 /// A switching function this small is zero: its sign is chosen, not read.
 const ZERO: f64 = 1e-9;
@@ -29,7 +29,7 @@ pub(super) struct Span {
 #[derive(Clone)]
 pub(crate) struct StickSlipFlow {
     pub(crate) field: SwitchedField,
-    pub(super) modes: Vec<Mode>,
+    pub(super) modes: Vec<FrictionMode>,
     pub(super) signs: Vec<f64>,
     /// Switches whose sign is kept whatever their σ does.
     pub(super) held: Vec<bool>,
@@ -49,9 +49,9 @@ pub(crate) struct StickSlipFlow {
     pub(super) jump: Vec<f64>,
     /// ∇σ of the switch at an event.
     pub(super) gradient: Vec<f64>,
-    pub(super) modes_before: Vec<Mode>,
+    pub(super) modes_before: Vec<FrictionMode>,
     /// Modes and signs at the start of the last interval, and ∂s/∂(x, u) of those that stick (k rows of n + m).
-    pub(crate) start_modes: Vec<Mode>,
+    pub(crate) start_modes: Vec<FrictionMode>,
     pub(crate) start_signs: Vec<f64>,
     pub(crate) start_rows: Vec<f64>,
     /// Changes of mode within the last interval.
@@ -68,7 +68,7 @@ impl StickSlipFlow {
         let row = || vec![0.0; n];
         let block = || vec![0.0; n * w];
         Self {
-            modes: vec![Mode::Sticking; k],
+            modes: vec![FrictionMode::Sticking; k],
             signs: vec![0.0; k],
             held: vec![false; k],
             stuck: Vec::with_capacity(k),
@@ -85,7 +85,7 @@ impl StickSlipFlow {
             jump: row(),
             gradient: row(),
             modes_before: Vec::with_capacity(k),
-            start_modes: vec![Mode::Sticking; k],
+            start_modes: vec![FrictionMode::Sticking; k],
             start_signs: vec![0.0; k],
             start_rows: vec![0.0; k * w],
             changes: Vec::new(),
@@ -101,7 +101,7 @@ impl StickSlipFlow {
         interval: Interval<'_>,
         x: &mut [f64],
         jacobian: Option<&mut [f64]>,
-        hold: &[Option<Mode>],
+        hold: &[Option<FrictionMode>],
     ) -> bool {
         let Interval { t, dt, substeps, u } = interval;
         let (n, m) = (self.field.states, self.field.inputs);
@@ -158,12 +158,12 @@ impl StickSlipFlow {
     }
 
     /// Reads the modes off the state; what is zero is settled by its consistent signs.
-    fn start(&mut self, t: f64, x: &mut [f64], u: &[f64], hold: &[Option<Mode>]) -> bool {
+    fn start(&mut self, t: f64, x: &mut [f64], u: &[f64], hold: &[Option<FrictionMode>]) -> bool {
         self.held.fill(false);
         self.field.evaluate(t, x, u, &self.signs);
         for i in 0..self.modes.len() {
             let sigma = self.field.surface(i);
-            self.modes[i] = if sigma.abs() > ZERO { Mode::of_sign(sigma) } else { Mode::Sticking };
+            self.modes[i] = if sigma.abs() > ZERO { FrictionMode::of_sign(sigma) } else { FrictionMode::Sticking };
         }
         for (i, mode) in hold.iter().enumerate() {
             if let Some(mode) = *mode {
@@ -172,7 +172,7 @@ impl StickSlipFlow {
             }
         }
         let zero: u64 = (0..self.modes.len())
-            .filter(|&i| self.modes[i] == Mode::Sticking && !self.held[i])
+            .filter(|&i| self.modes[i] == FrictionMode::Sticking && !self.held[i])
             .fold(0, |z, i| z | 1 << i);
         if !self.settle(t, x, u, zero) {
             return false;
@@ -188,8 +188,8 @@ impl StickSlipFlow {
     pub(super) fn settle(&mut self, t: f64, x: &[f64], u: &[f64], zero: u64) -> bool {
         let members: Vec<usize> = (0..self.modes.len()).filter(|i| zero >> i & 1 == 1).collect();
         for &i in &members {
-            if !self.field.sticks[i] && self.modes[i] == Mode::Sticking {
-                self.modes[i] = Mode::Positive;
+            if !self.field.sticks[i] && self.modes[i] == FrictionMode::Sticking {
+                self.modes[i] = FrictionMode::Positive;
             }
         }
         for _ in 0..=4 * members.len() {
@@ -203,8 +203,8 @@ impl StickSlipFlow {
             }
             let i = worst.1;
             self.modes[i] = match self.modes[i] {
-                Mode::Sticking => Mode::of_sign(self.signs[i]),
-                _ if self.field.sticks[i] => Mode::Sticking,
+                FrictionMode::Sticking => FrictionMode::of_sign(self.signs[i]),
+                _ if self.field.sticks[i] => FrictionMode::Sticking,
                 slides => slides.opposite(),
             };
         }
@@ -214,10 +214,10 @@ impl StickSlipFlow {
         for code in 0..3usize.pow(members.len() as u32) {
             let mut rest = code;
             for &i in &members {
-                self.modes[i] = [Mode::Sticking, Mode::Positive, Mode::Negative][rest % 3];
+                self.modes[i] = [FrictionMode::Sticking, FrictionMode::Positive, FrictionMode::Negative][rest % 3];
                 rest /= 3;
             }
-            if members.iter().any(|&i| self.modes[i] == Mode::Sticking && !self.field.sticks[i]) {
+            if members.iter().any(|&i| self.modes[i] == FrictionMode::Sticking && !self.field.sticks[i]) {
                 continue;
             }
             self.resolve(t, x, u);
@@ -232,8 +232,8 @@ impl StickSlipFlow {
     fn inconsistency(&self, i: usize) -> f64 {
         match self.modes[i] {
             // A surface that cannot be held (no friction force) has a residual rate.
-            Mode::Sticking if self.rates[i].abs() > 1e-6 * (1.0 + self.rates[i].abs()) => f64::MAX,
-            Mode::Sticking => self.signs[i].abs() - 1.0 - SIGN_TOLERANCE,
+            FrictionMode::Sticking if self.rates[i].abs() > 1e-6 * (1.0 + self.rates[i].abs()) => f64::MAX,
+            FrictionMode::Sticking => self.signs[i].abs() - 1.0 - SIGN_TOLERANCE,
             mode => -mode.sign() * self.rates[i] - 1e-9,
         }
         .max(0.0)
@@ -243,7 +243,7 @@ impl StickSlipFlow {
     pub(super) fn resolve(&mut self, t: f64, x: &[f64], u: &[f64]) {
         self.stuck.clear();
         for (i, mode) in self.modes.iter().enumerate() {
-            if *mode == Mode::Sticking {
+            if *mode == FrictionMode::Sticking {
                 self.stuck.push(i);
             } else {
                 self.signs[i] = mode.sign();

@@ -5,7 +5,7 @@ use super::flow::StickSlipFlow;
 use super::switched_field::SwitchedField;
 use crate::integrator::Interval;
 use approx::assert_relative_eq;
-use bracketry_sim::{ExactPlant, Mode, Settings};
+use bracketry_sim::{ExactPlant, FrictionMode, SimulationSettings};
 use bracketry_system::System;
 
 /// Two masses on springs, each rubbing on the ground, with a slider on the first that rubs on it.
@@ -57,7 +57,7 @@ fn end_states_and_modes_are_those_of_the_simulator() {
         let (x0, u) = start(&mut numbers);
         let mut x = x0;
         assert!(flow.advance(Interval { t: 0.0, dt: 0.6, substeps: 40, u: &u }, &mut x, None, &[]));
-        let mut plant = ExactPlant::new(&system, &x0, &Settings::default()).unwrap();
+        let mut plant = ExactPlant::new(&system, &x0, &SimulationSettings::default()).unwrap();
         plant.hold(&u, 0.6).unwrap();
         for (a, b) in x.iter().zip(plant.state()) {
             assert_relative_eq!(a, b, epsilon = 1e-7);
@@ -78,7 +78,7 @@ fn the_derivative_is_that_of_the_flow_across_events() {
         let mut x = x0;
         let mut jacobian = vec![0.0; 35];
         assert!(flow.advance(Interval { t: 0.0, dt: 0.6, substeps: 40, u: &u }, &mut x, Some(&mut jacobian), &[]));
-        let sequence: Vec<(usize, Mode)> = flow.changes.iter().map(|c| (c.switch, c.to)).collect();
+        let sequence: Vec<(usize, FrictionMode)> = flow.changes.iter().map(|c| (c.switch, c.to)).collect();
         let h = 1e-5;
         for j in 0..7 {
             let mut end = |by: f64| {
@@ -123,7 +123,7 @@ fn what_sticks_feels_neither_input_nor_speed() {
     assert!(flow.advance(Interval { t: 0.0, dt: 0.5, substeps: 1, u: &[0.7] }, &mut x, Some(&mut jacobian), &[]));
     assert_eq!(x, [0.3, 0.0]);
     assert_eq!(jacobian, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    assert_eq!(flow.start_modes, [Mode::Sticking]);
+    assert_eq!(flow.start_modes, [FrictionMode::Sticking]);
     // s = a holds it, so ∂s/∂a = 1.
     assert_relative_eq!(flow.start_signs[0], 0.7, epsilon = 1e-15);
     assert_eq!(flow.start_rows, [0.0, 0.0, 1.0]);

@@ -3,14 +3,14 @@
 use super::flow::StickSlipFlow;
 use crate::integrator::Interval;
 use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
-use crate::transcription::{Linearization, spread_flow};
-use bracketry_sim::{Mode, ModeChange};
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::{ShootingLinearization, spread_flow};
+use bracketry_sim::{FrictionMode, ModeChange};
 
 /// What the flow does in one interval of a roll-out.
 #[derive(Clone, Default)]
 pub(crate) struct IntervalModes {
-    pub(crate) modes: Vec<Mode>,
+    pub(crate) modes: Vec<FrictionMode>,
     signs: Vec<f64>,
     rows: Vec<f64>,
     pub(crate) changes: Vec<ModeChange>,
@@ -19,7 +19,7 @@ pub(crate) struct IntervalModes {
 impl IntervalModes {
     /// Whether the switch sticks from start to end.
     pub(crate) fn sticks(&self, switch: usize) -> bool {
-        self.modes.get(switch) == Some(&Mode::Sticking) && self.changes.iter().all(|c| c.switch != switch)
+        self.modes.get(switch) == Some(&FrictionMode::Sticking) && self.changes.iter().all(|c| c.switch != switch)
     }
 }
 
@@ -31,10 +31,10 @@ pub(crate) struct ExactProblem {
     pub(crate) hard_weight: f64,
     /// Grid point of the run at which the horizon starts.
     pub(crate) k0: usize,
-    pub(crate) lin: Linearization,
+    pub(crate) lin: ShootingLinearization,
     /// The intervals of the roll-out that was linearized last.
     pub(crate) intervals: Vec<IntervalModes>,
-    holds: Vec<Option<Mode>>,
+    holds: Vec<Option<FrictionMode>>,
     end: Vec<f64>,
     /// Derivative of the flow of the dynamics' states.
     jacobian: Vec<f64>,
@@ -45,10 +45,10 @@ pub(crate) struct ExactProblem {
 impl ExactProblem {
     pub(crate) fn new(ocp: Ocp, flow: StickSlipFlow, hard_weight: f64) -> Self {
         let (n, m) = (ocp.states(), ocp.inputs());
-        let lin = Linearization {
+        let lin = ShootingLinearization {
             end: vec![0.0; ocp.steps * n],
             jacobian: vec![0.0; ocp.steps * n * (n + m)],
-            ..Linearization::default()
+            ..ShootingLinearization::default()
         };
         let intervals = vec![IntervalModes::default(); ocp.steps];
         let jacobian = vec![0.0; ocp.model_states() * (ocp.model_states() + m)];
@@ -66,7 +66,7 @@ impl ExactProblem {
     }
 
     /// Fills in the state at the end of interval k; false where the flow fails.
-    pub(crate) fn advance(&mut self, z: &mut Trajectory, k: usize) -> bool {
+    pub(crate) fn advance(&mut self, z: &mut PlannedTrajectory, k: usize) -> bool {
         let done = self.flow_over(z, k);
         if done {
             let n = self.end.len();
@@ -79,7 +79,7 @@ impl ExactProblem {
     }
 
     /// Advances the dynamics' state at grid point k to the end of its interval, into `end`; false where the flow fails.
-    fn flow_over(&mut self, z: &Trajectory, k: usize) -> bool {
+    fn flow_over(&mut self, z: &PlannedTrajectory, k: usize) -> bool {
         let interval = self.enter(k, z.u(k));
         self.end.clear();
         self.end.extend_from_slice(&z.x(k)[..self.ocp.model_states()]);
@@ -87,14 +87,14 @@ impl ExactProblem {
     }
 
     /// Cost and penalties; infinite where they are no number.
-    fn value(&mut self, z: &Trajectory) -> f64 {
+    fn value(&mut self, z: &PlannedTrajectory) -> f64 {
         let value = self.ocp.cost(self.k0, z) + self.ocp.penalty(self.k0, z, self.hard_weight);
         if value.is_finite() { value } else { f64::INFINITY }
     }
 
     /// Fills in the states that follow from the first one and the inputs; gives cost and penalties, infinite where the flow
     /// fails.
-    pub(crate) fn roll_out(&mut self, z: &mut Trajectory) -> f64 {
+    pub(crate) fn roll_out(&mut self, z: &mut PlannedTrajectory) -> f64 {
         for k in 0..z.steps() {
             if !self.advance(z, k) {
                 return f64::INFINITY;
@@ -106,7 +106,7 @@ impl ExactProblem {
     /// As [`ExactProblem::roll_out`] for inputs that were moved from those of `plan`, the roll-out that was linearized last.
     /// Where the plan sticks, the derivative promises nothing beyond the friction that holds: there the move is shortened
     /// to what holds. The flag says whether any was.
-    pub(crate) fn roll_out_held(&mut self, plan: &Trajectory, z: &mut Trajectory) -> (f64, bool) {
+    pub(crate) fn roll_out_held(&mut self, plan: &PlannedTrajectory, z: &mut PlannedTrajectory) -> (f64, bool) {
         let (n, m) = (self.ocp.model_states(), self.ocp.inputs());
         let w = n + m;
         let mut held = false;
@@ -141,17 +141,17 @@ impl ExactProblem {
     }
 
     /// Linearizes along a roll-out and notes its modes; false where the flow fails.
-    pub(crate) fn linearize(&mut self, z: &Trajectory) -> bool {
+    pub(crate) fn linearize(&mut self, z: &PlannedTrajectory) -> bool {
         self.linearize_with(z, None)
     }
 
     /// Linearizes along the roll-out that was linearized last with some of its sticking switches let slip in the modes given
     /// (one entry per switch): the end states are then not those of the roll-out.
-    pub(crate) fn linearize_released(&mut self, z: &Trajectory, release: &[Option<Mode>]) -> bool {
+    pub(crate) fn linearize_released(&mut self, z: &PlannedTrajectory, release: &[Option<FrictionMode>]) -> bool {
         self.linearize_with(z, Some(release))
     }
 
-    fn linearize_with(&mut self, z: &Trajectory, release: Option<&[Option<Mode>]>) -> bool {
+    fn linearize_with(&mut self, z: &PlannedTrajectory, release: Option<&[Option<FrictionMode>]>) -> bool {
         let n = self.ocp.states();
         let block = n * (n + self.ocp.inputs());
         for k in 0..z.steps() {
@@ -184,16 +184,16 @@ impl ExactProblem {
     }
 
     /// Whether any switch sticks over the first interval of a roll-out.
-    pub(crate) fn sticks_at_start(&mut self, z: &Trajectory) -> bool {
+    pub(crate) fn sticks_at_start(&mut self, z: &PlannedTrajectory) -> bool {
         let done = self.flow_over(z, 0);
         let flow = &self.flow;
         done && (0..flow.start_modes.len())
-            .any(|i| flow.start_modes[i] == Mode::Sticking && flow.changes.iter().all(|c| c.switch != i))
+            .any(|i| flow.start_modes[i] == FrictionMode::Sticking && flow.changes.iter().all(|c| c.switch != i))
     }
 
     /// Directions in which the switches that stick over the first interval are moved by the change `dx` of the states over
     /// the horizon: the sign of Σ_k ∇σ·dx_k.
-    pub(crate) fn directions(&mut self, z: &Trajectory, dx: &[f64]) -> Vec<Option<Mode>> {
+    pub(crate) fn directions(&mut self, z: &PlannedTrajectory, dx: &[f64]) -> Vec<Option<FrictionMode>> {
         let n = self.ocp.states();
         let signs = self.intervals[0].signs.clone();
         let t = self.enter(0, z.u(0)).t;
@@ -207,7 +207,7 @@ impl ExactProblem {
                         d[..of_model].iter().enumerate().map(|(j, d)| self.flow.field.gradient(i, j) * d).sum::<f64>()
                     })
                     .sum();
-                (self.intervals[0].sticks(i) && along.abs() > 1e-9).then(|| Mode::of_sign(along))
+                (self.intervals[0].sticks(i) && along.abs() > 1e-9).then(|| FrictionMode::of_sign(along))
             })
             .collect()
     }

@@ -5,7 +5,7 @@ use crate::controller::{Controller, Step, StepLimits};
 use crate::error::{MpcError, check_length, check_value};
 use crate::estimation::Estimate;
 use crate::problem::{ControlProblem, Method, MethodReason, Schedule, Scheduled};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Grid points by which the known references and parameters are continued at a time.
 const CONTINUED: usize = 1000;
@@ -73,7 +73,7 @@ pub struct LiveController {
     answered: bool,
     /// Time of sample 0 on the caller's clock, s.
     origin: Option<f64>,
-    prediction: Trajectory,
+    prediction: PlannedTrajectory,
     nothing: Vec<f64>,
     log: Option<LoopLog>,
     /// The method as the problem gives it.
@@ -334,7 +334,7 @@ impl LiveController {
 
     /// States and inputs that the last answer's program predicts, on the grid of the horizon. They start at the time of the
     /// measurement, or where the controller compensates a delay, when the input begins to act.
-    pub fn prediction(&self) -> &Trajectory {
+    pub fn prediction(&self) -> &PlannedTrajectory {
         if self.answered { self.controller.plan() } else { &self.prediction }
     }
 

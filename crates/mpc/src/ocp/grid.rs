@@ -3,7 +3,7 @@
 use super::bounds::positive;
 use super::problem::Ocp;
 use crate::error::{MpcError, check_length};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Share of an interval by which rounding may put a grid point beside a sample.
 const ROUNDING: f64 = 1e-9;
@@ -59,7 +59,7 @@ impl Ocp {
 
     /// Moves a trajectory on by dt: every interval takes the mean of the inputs over it, every grid point the state in between.
     /// The last input is kept, and the last state must be filled in.
-    pub(crate) fn move_on(&self, trajectory: &mut Trajectory) {
+    pub(crate) fn move_on(&self, trajectory: &mut PlannedTrajectory) {
         if self.is_uniform() {
             trajectory.shift();
             self.merge_shared_inputs(trajectory);
@@ -101,7 +101,7 @@ mod tests {
         ocp.lengths = vec![1.0, 2.0, 4.0];
         let rows = |values: &[f64]| values.iter().map(|v| vec![*v]).collect::<Vec<_>>();
         // x = t, u = 1, 2, 3.
-        let mut z = Trajectory::from_rows(&rows(&[0.0, 1.0, 3.0, 7.0]), &rows(&[1.0, 2.0, 3.0])).unwrap();
+        let mut z = PlannedTrajectory::from_rows(&rows(&[0.0, 1.0, 3.0, 7.0]), &rows(&[1.0, 2.0, 3.0])).unwrap();
         ocp.move_on(&mut z);
         assert_eq!([z.x(0)[0], z.x(1)[0], z.x(2)[0]], [1.0, 2.0, 4.0]);
         assert_eq!([z.u(0)[0], z.u(1)[0], z.u(2)[0]], [2.0, 2.5, 3.0]);

@@ -10,7 +10,7 @@ use super::margins::Margins;
 use super::previous_input::PreviousInput;
 use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use std::ops::Range;
 
 /// How many integration steps an interval gets.
@@ -275,12 +275,12 @@ impl Ocp {
     }
 
     /// Stage and terminal costs of a trajectory that starts at grid point `k0` of the run, without penalties.
-    pub(crate) fn cost(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
+    pub(crate) fn cost(&mut self, k0: usize, trajectory: &PlannedTrajectory) -> f64 {
         self.costs(k0, trajectory).total()
     }
 
     /// The parts of [`Ocp::cost`].
-    pub(crate) fn costs(&mut self, k0: usize, trajectory: &Trajectory) -> HorizonCost {
+    pub(crate) fn costs(&mut self, k0: usize, trajectory: &PlannedTrajectory) -> HorizonCost {
         let steps = trajectory.steps();
         let mut stage = 0.0;
         for k in 0..steps {
@@ -301,7 +301,7 @@ impl Ocp {
 
     /// Cost of violated bounds and constraints (hard ones at `hard` per unit of scale) and missed targets of a trajectory that
     /// starts at grid point `k0` of the run.
-    pub(crate) fn penalty(&mut self, k0: usize, trajectory: &Trajectory, hard: f64) -> f64 {
+    pub(crate) fn penalty(&mut self, k0: usize, trajectory: &PlannedTrajectory, hard: f64) -> f64 {
         let mut sum = self.constraint_penalty(k0, trajectory, hard);
         for k in 1..=trajectory.steps() {
             for i in 0..self.state_bounds.len() {
@@ -327,7 +327,7 @@ impl Ocp {
     }
 
     /// Largest violation of a hard bound or constraint, in units of its scale.
-    pub(crate) fn hard_violation(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
+    pub(crate) fn hard_violation(&mut self, k0: usize, trajectory: &PlannedTrajectory) -> f64 {
         let mut worst = self.hard_constraint_violation(k0, trajectory);
         for k in 1..=trajectory.steps() {
             for i in 0..self.state_bounds.len() {

@@ -1,7 +1,7 @@
 //! Copies of one system in one problem, whose inputs are the same until the branches of its scenario tree part.
 
 use super::problem::Ocp;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 impl Ocp {
     /// The parameters of the branches over interval k of the horizon; empty where they keep theirs.
@@ -57,7 +57,7 @@ impl Ocp {
     }
 
     /// Gives shared inputs the mean of their branches, as after a shift, which moves inputs of parted branches before the parting.
-    pub(crate) fn merge_shared_inputs(&self, trajectory: &mut Trajectory) {
+    pub(crate) fn merge_shared_inputs(&self, trajectory: &mut PlannedTrajectory) {
         let Some(b) = &self.branching else { return };
         let own = self.inputs_of_branch();
         for (k, leaders) in b.leaders.iter().enumerate().take(trajectory.steps()) {

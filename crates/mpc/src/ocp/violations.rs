@@ -3,7 +3,7 @@
 use super::bounds::{Violation, ordered, positive, soft_weights};
 use super::problem::Ocp;
 use crate::error::{MpcError, check_length, check_value};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 impl Ocp {
     /// Checks blocks, path constraints, norm constraints and the terminal set.
@@ -97,7 +97,7 @@ impl Ocp {
 
     /// Visits the violation of every path constraint, norm constraint and of the terminal set along a trajectory that starts
     /// at grid point `k0` of the run.
-    fn visit_constraints(&mut self, k0: usize, z: &Trajectory, hard: f64, mut visit: impl FnMut(Violation)) {
+    fn visit_constraints(&mut self, k0: usize, z: &PlannedTrajectory, hard: f64, mut visit: impl FnMut(Violation)) {
         let steps = z.steps();
         let input = |k: usize| if k < steps { z.u(k) } else { &[] };
         let mut path = std::mem::take(&mut self.path_constraints);
@@ -128,7 +128,7 @@ impl Ocp {
 
     /// Largest violation of a bound, path constraint, norm constraint, or the terminal set along a predicted trajectory that starts at
     /// grid point `k0` of the run, each in its own unit; NaN when a bounded value is no number.
-    pub(crate) fn predicted_violation(&mut self, k0: usize, z: &Trajectory) -> f64 {
+    pub(crate) fn predicted_violation(&mut self, k0: usize, z: &PlannedTrajectory) -> f64 {
         // `f64::max` would drop a NaN.
         let worse = |worst: f64, v: f64| if worst.is_nan() || worst > v { worst } else { v };
         let mut worst = 0.0;
@@ -145,14 +145,14 @@ impl Ocp {
     }
 
     /// Cost of violated path and norm constraints and of leaving the terminal set; hard ones at `hard` per unit of scale.
-    pub(crate) fn constraint_penalty(&mut self, k0: usize, trajectory: &Trajectory, hard: f64) -> f64 {
+    pub(crate) fn constraint_penalty(&mut self, k0: usize, trajectory: &PlannedTrajectory, hard: f64) -> f64 {
         let mut sum = 0.0;
         self.visit_constraints(k0, trajectory, hard, |v| sum += v.cost);
         sum
     }
 
     /// Largest violation of a hard path or norm constraint or terminal set, in units of its scale.
-    pub(crate) fn hard_constraint_violation(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
+    pub(crate) fn hard_constraint_violation(&mut self, k0: usize, trajectory: &PlannedTrajectory) -> f64 {
         let mut worst = 0.0_f64;
         self.visit_constraints(k0, trajectory, 0.0, |v| worst = worst.max(v.relative));
         worst

@@ -11,7 +11,7 @@ use crate::exact_friction::StickSlipController;
 use crate::integrator::Integrator;
 use crate::ocp::HorizonCost;
 use crate::sqp::{Solution, SolveStatus};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Programs after which the plan of the first one is looked at again, where there is no converged one.
 const MORE_PROGRAMS: usize = 4;
@@ -27,7 +27,7 @@ const NEAR: f64 = 0.05;
 struct Rated {
     predicted: f64,
     real: f64,
-    plan: Trajectory,
+    plan: PlannedTrajectory,
 }
 
 /// The real-time iteration, tried at the first sample.
@@ -172,14 +172,14 @@ impl ControlProblem {
     fn try_one_program(
         &self,
         feedback: Feedback,
-        start: Trajectory,
-        converged: Option<&Trajectory>,
+        start: PlannedTrajectory,
+        converged: Option<&PlannedTrajectory>,
     ) -> Result<Trial, MpcError> {
         let mut rti = self.receding(feedback, start)?;
         let mut ocp = self.ocp.clone();
         let mut rehearsal = Rehearsal::smoothed(self)?;
         let mut trial = Trial { predicted: HorizonCost::NONE, plans: Vec::new() };
-        let mut rated = |mut plan: Trajectory| {
+        let mut rated = |mut plan: PlannedTrajectory| {
             let costs = ocp.costs(0, &plan);
             let predicted = costs.total() + ocp.penalty(0, &plan, self.qp.hard_weight);
             // What its inputs really cost shows how far the plan is from the dynamics.
@@ -244,7 +244,7 @@ impl ControlProblem {
     }
 
     /// The same over two plans.
-    fn differ(&self, a: &Trajectory, b: &Trajectory) -> f64 {
+    fn differ(&self, a: &PlannedTrajectory, b: &PlannedTrajectory) -> f64 {
         (0..a.steps()).fold(0.0, |most: f64, k| most.max(self.moved(a.u(k), b.u(k))))
     }
 }

@@ -4,7 +4,7 @@ use super::control_problem::{ControlProblem, FreeValues};
 use super::found_values::FoundValues;
 use crate::error::MpcError;
 use crate::sqp::SolveStatus;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use bracketry_symbolic::Named;
 use std::borrow::Cow;
 use std::time::Instant;
@@ -62,7 +62,7 @@ impl ControlProblem {
     }
 
     /// The problem with the values found, and the inputs of a trajectory as its guess.
-    fn with_found(&self, free: &FreeValues, found: &FoundValues, inputs: &Trajectory) -> Result<Self, MpcError> {
+    fn with_found(&self, free: &FreeValues, found: &FoundValues, inputs: &PlannedTrajectory) -> Result<Self, MpcError> {
         let mut problem = (free.with_found)(found).map_err(|e| MpcError::ValuesFound { reason: e.to_string() })?;
         let m = self.ocp.inputs();
         for (k, row) in problem.guess.iter_mut().enumerate() {
@@ -81,7 +81,7 @@ impl ControlProblem {
         &self,
         free: &FreeValues,
         found: &FoundValues,
-        inputs: &Trajectory,
+        inputs: &PlannedTrajectory,
         (start, size, bounds): (f64, f64, (f64, f64)),
     ) -> Result<Self, MpcError> {
         let clock = Instant::now();

@@ -6,7 +6,7 @@ use super::run::ControlRun;
 use crate::closed_loop::RungeKuttaPlant;
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
-use bracketry_sim::{DiscreteModel, ExactPlant, Outcome, Settings, Simulation, Statistics, Trajectory};
+use bracketry_sim::{DiscreteModel, ExactPlant, Outcome, Simulation, SimulationSettings, Statistics, Trajectory};
 use bracketry_system::ZeroDenominator;
 
 /// A control problem that could not be run.
@@ -58,7 +58,7 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
     if problem.plant.is_smooth() && !delayed {
         return control_smooth(problem, progress);
     }
-    let mut plant = ExactPlant::new(&problem.plant, &problem.x0, &Settings::default())?;
+    let mut plant = ExactPlant::new(&problem.plant, &problem.x0, &SimulationSettings::default())?;
     plant.start_recording();
     let run = problem.run_disturbed(&mut plant, |k, _| progress(k))?;
     let switches = plant.model().switch_names().map(str::to_owned).collect();

@@ -4,7 +4,7 @@ use super::control_problem::ControlProblem;
 use crate::error::MpcError;
 use crate::exact_friction::{ExactProblem, StickSlipFlow, SwitchedField};
 use crate::integrator::Integrator;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use crate::transcription::Transcription;
 
 /// Width by which unit vectors are rounded on the exact flow.
@@ -37,7 +37,7 @@ pub(super) struct Held {
     /// Cost and penalties over the horizon.
     pub(super) cost: f64,
     /// The motion.
-    pub(super) trajectory: Trajectory,
+    pub(super) trajectory: PlannedTrajectory,
 }
 
 impl Rehearsal {
@@ -62,7 +62,7 @@ impl Rehearsal {
 
     /// Fills in the states that follow from the first one and the inputs; gives cost and penalties, infinite where they are
     /// no number.
-    pub(super) fn cost(&mut self, plan: &mut Trajectory) -> f64 {
+    pub(super) fn cost(&mut self, plan: &mut PlannedTrajectory) -> f64 {
         let cost = match self {
             Self::Exact(problem) => problem.roll_out(plan),
             Self::Smoothed { model, hard_weight } => {
@@ -76,12 +76,12 @@ impl Rehearsal {
     }
 
     /// The motions from the initial state with one input at one of its bounds, the others at rest.
-    pub(super) fn at_bounds(&mut self, problem: &ControlProblem) -> Vec<Trajectory> {
+    pub(super) fn at_bounds(&mut self, problem: &ControlProblem) -> Vec<PlannedTrajectory> {
         let rest = problem.first_input();
         let mut motions = Vec::new();
         for (j, &(min, max)) in problem.ocp.input_bounds.iter().enumerate() {
             for value in [min, max] {
-                let mut plan = Trajectory::constant(problem.ocp.steps, &problem.initial_state(), &rest);
+                let mut plan = PlannedTrajectory::constant(problem.ocp.steps, &problem.initial_state(), &rest);
                 (0..plan.steps()).for_each(|k| plan.u_mut(k)[j] = value);
                 self.cost(&mut plan);
                 motions.push(plan);
@@ -106,7 +106,7 @@ impl Rehearsal {
                 let durations = if problem.ocp.move_blocks.is_empty() { &DURATIONS[..] } else { &DURATIONS[..1] };
                 for duration in durations {
                     let intervals = ((duration * steps as f64).ceil() as usize).max(1);
-                    let mut plan = Trajectory::constant(steps, &problem.initial_state(), &rest);
+                    let mut plan = PlannedTrajectory::constant(steps, &problem.initial_state(), &rest);
                     // The same in every branch.
                     (0..intervals).for_each(|k| (j..all).step_by(own).for_each(|j| plan.u_mut(k)[j] = value));
                     let cost = self.cost(&mut plan);
@@ -133,7 +133,7 @@ impl ControlProblem {
 
     /// The guess with a wave on every input: from there, a plan finds out of a point at which the guess is stationary and no
     /// minimum.
-    pub(super) fn waves(&self) -> Trajectory {
+    pub(super) fn waves(&self) -> PlannedTrajectory {
         let mut start = self.start();
         let (steps, own) = (start.steps(), self.ocp.inputs_of_branch().max(1));
         for k in 0..steps {

@@ -8,7 +8,7 @@ use super::verdict::floor;
 use crate::closed_loop::ClosedLoop;
 use crate::controller::{Controller, SumUpRounding};
 use crate::error::MpcError;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use bracketry_symbolic::Named;
 use serde::Serialize;
 
@@ -65,7 +65,7 @@ impl ControlProblem {
         let (relaxed_cost, rounded_cost) = (rehearsal.cost(&mut relaxed), rehearsal.cost(&mut rounded));
         let steps = self.ocp.steps;
         let whole = self.ocp.is_uniform() && run.u.len() >= steps;
-        let looped = whole.then(|| Trajectory::from_rows(&run.x[..=steps], &run.u[..steps])).transpose()?;
+        let looped = whole.then(|| PlannedTrajectory::from_rows(&run.x[..=steps], &run.u[..steps])).transpose()?;
         let finite =
             self.ocp.input_values.iter().zip(self.system.input_names()).filter(|(values, _)| !values.is_empty());
         Ok(Some(RoundingReport {

@@ -12,7 +12,7 @@ use crate::closed_loop::{ClosedLoop, LateSamples, LoopSettings, MeasurementFunct
 use crate::error::MpcError;
 use crate::ocp::{Bounded, ConstraintTrace, LargestViolation};
 use crate::sqp::{Solution, SolveStatus};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use bracketry_system::InputRange;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
@@ -138,12 +138,12 @@ impl ControlProblem {
     }
 
     /// A plan from the initial state with the previous inputs among its states.
-    fn plan_with_previous(&self, plan: &Trajectory) -> Trajectory {
+    fn plan_with_previous(&self, plan: &PlannedTrajectory) -> PlannedTrajectory {
         let rows = |count: usize, row: &dyn Fn(usize) -> Vec<f64>| (0..count).map(row).collect::<Vec<_>>();
         let x = rows(plan.steps() + 1, &|k| plan.x(k).to_vec());
         let u = rows(plan.steps(), &|k| plan.u(k).to_vec());
         let x = self.ocp.with_previous(&x, &u, &self.first_input());
-        Trajectory::from_rows(&x, &u).unwrap_or_else(|_| plan.clone())
+        PlannedTrajectory::from_rows(&x, &u).unwrap_or_else(|_| plan.clone())
     }
 
     /// Whether the run ends before the end of the first horizon, where the targets are.

@@ -13,7 +13,7 @@ use crate::exact_friction::{StickSlipController, StickSlipSettings};
 use crate::ocp::{HorizonCost, Ocp};
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpController, SqpSettings};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Intervals left at which a shrinking horizon is played out instead of solved again.
 const MIN_STEPS: usize = 1;
@@ -107,7 +107,13 @@ impl ControlProblem {
     }
 
     /// Real-time iteration along `trajectory`.
-    fn rti(&self, feedback: Feedback, ocp: Ocp, trajectory: Trajectory, horizon: Horizon) -> Result<Rti, MpcError> {
+    fn rti(
+        &self,
+        feedback: Feedback,
+        ocp: Ocp,
+        trajectory: PlannedTrajectory,
+        horizon: Horizon,
+    ) -> Result<Rti, MpcError> {
         let Feedback { iterations, proximal, guarded, time_limit } = feedback;
         let settings = RtiSettings {
             horizon,
@@ -125,13 +131,13 @@ impl ControlProblem {
     }
 
     /// As [`ControlProblem::rti`], on the receding horizon.
-    pub(super) fn receding(&self, feedback: Feedback, trajectory: Trajectory) -> Result<Rti, MpcError> {
+    pub(super) fn receding(&self, feedback: Feedback, trajectory: PlannedTrajectory) -> Result<Rti, MpcError> {
         self.rti(feedback, self.ocp.clone(), trajectory, Horizon::Receding)
     }
 
     /// The guess, at rest in the initial state.
-    pub(super) fn start(&self) -> Trajectory {
-        let mut start = Trajectory::constant(self.ocp.steps, &self.initial_state(), &self.first_input());
+    pub(super) fn start(&self) -> PlannedTrajectory {
+        let mut start = PlannedTrajectory::constant(self.ocp.steps, &self.initial_state(), &self.first_input());
         for (k, u) in self.guess.iter().enumerate() {
             start.u_mut(k).copy_from_slice(u);
         }
@@ -147,7 +153,11 @@ impl ControlProblem {
     }
 
     /// Cost of the plan after the first sample's programs along `trajectory`; NaN where they have no solution.
-    fn first_predicted_cost(&self, feedback: Feedback, trajectory: &Trajectory) -> Result<HorizonCost, MpcError> {
+    fn first_predicted_cost(
+        &self,
+        feedback: Feedback,
+        trajectory: &PlannedTrajectory,
+    ) -> Result<HorizonCost, MpcError> {
         let mut ocp = self.ocp.clone();
         let mut rti = self.receding(feedback, trajectory.clone())?;
         let planned = !matches!(rti.feedback(&self.initial_state())?.status, StepStatus::Fallback(_));
@@ -311,7 +321,7 @@ impl ControlProblem {
     }
 
     /// Cost and penalties of a plan.
-    pub(super) fn value(&self, plan: &Trajectory) -> f64 {
+    pub(super) fn value(&self, plan: &PlannedTrajectory) -> f64 {
         let mut ocp = self.ocp.clone();
         ocp.cost(0, plan) + ocp.penalty(0, plan, self.qp.hard_weight)
     }

@@ -11,7 +11,7 @@ use crate::closed_loop::ClosedLoop;
 use crate::error::MpcError;
 use crate::ocp::{HorizonCost, Ocp};
 use crate::sqp::{SolveStatus, Sqp};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Share of the larger of two costs beyond which they differ grossly: one is more than ten times the other.
 const GROSS: f64 = 0.9;
@@ -52,7 +52,7 @@ struct Balance {
 pub(super) fn verdict(
     problem: &ControlProblem,
     run: &ClosedLoop,
-    plan: &Trajectory,
+    plan: &PlannedTrajectory,
     planned: bool,
     predicted: HorizonCost,
 ) -> Result<Vec<Note>, MpcError> {
@@ -139,7 +139,7 @@ pub(super) fn verdict(
 }
 
 /// A plan or a run that goes far beyond the sizes of the problem: its scales, its start, its targets, and its bounds.
-fn diverges(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory) -> Option<Note> {
+fn diverges(problem: &ControlProblem, run: &ClosedLoop, plan: &PlannedTrajectory) -> Option<Note> {
     let ocp = &problem.ocp;
     let size = |scale: f64, value: f64, (min, max): (f64, f64)| {
         let finite = [min, max].into_iter().filter(|b| b.is_finite()).map(f64::abs);
@@ -191,7 +191,7 @@ fn held(problem: &ControlProblem, run: &ClosedLoop) -> Result<Option<Note>, MpcE
 }
 
 /// Whether the plan of a run that ends before it reaches the targets.
-fn targets_of_plan(problem: &ControlProblem, plan: &Trajectory) -> Vec<Note> {
+fn targets_of_plan(problem: &ControlProblem, plan: &PlannedTrajectory) -> Vec<Note> {
     let end = plan.x(plan.steps());
     let missed = problem.ocp.targets.iter().filter(|t| (end[t.state] - t.value).abs() * t.linear > 1.0);
     let notes: Vec<Note> = missed
@@ -209,7 +209,7 @@ fn targets_of_plan(problem: &ControlProblem, plan: &Trajectory) -> Vec<Note> {
 }
 
 /// A simple input that costs less than the converged plan, which shows that there is a better one.
-fn plan_outdone(problem: &ControlProblem, plan: &Trajectory) -> Result<Option<Note>, MpcError> {
+fn plan_outdone(problem: &ControlProblem, plan: &PlannedTrajectory) -> Result<Option<Note>, MpcError> {
     let mut problem = problem.clone();
     problem.ocp = problem.ocp.tightened(problem.method.margin());
     let mut rehearsal = match problem.method {
@@ -227,7 +227,7 @@ fn plan_outdone(problem: &ControlProblem, plan: &Trajectory) -> Result<Option<No
 /// A plan from another start that costs much less than `planned`: from inputs at rest, or from waves where those are the guess.
 fn other_start(problem: &ControlProblem, planned: f64) -> Result<Option<Note>, MpcError> {
     let steps = problem.ocp.steps;
-    let rest = Trajectory::constant(steps, &problem.initial_state(), &problem.first_input());
+    let rest = PlannedTrajectory::constant(steps, &problem.initial_state(), &problem.first_input());
     let at_rest = !problem.stays((0..steps).map(|k| rest.u(k)));
     let start = if at_rest { rest } else { problem.waves() };
     let ocp = problem.ocp.tightened(problem.method.margin());
@@ -276,7 +276,7 @@ fn not_held(problem: &ControlProblem, run: &ClosedLoop, floor: f64) -> Option<No
 }
 
 /// Costs of what was done and of what was planned.
-fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory, predicted: HorizonCost) -> Balance {
+fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &PlannedTrajectory, predicted: HorizonCost) -> Balance {
     let mut ocp = problem.ocp.clone();
     // Those of a horizon that moves on are not met on the way.
     ocp.targets.clear();
@@ -286,7 +286,7 @@ fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory, predic
         ((0..=count).map(|k| plan.x(k).to_vec()).collect(), (0..count).map(|k| plan.u(k).to_vec()).collect())
     };
     let one_program = one_program(problem);
-    let mut cost = |x: &[Vec<f64>], u: &[Vec<f64>]| match Trajectory::from_rows(x, u) {
+    let mut cost = |x: &[Vec<f64>], u: &[Vec<f64>]| match PlannedTrajectory::from_rows(x, u) {
         Ok(z) if whole => {
             let HorizonCost { stage, terminal } = ocp.costs(0, &z);
             // The predicted cost has no penalties.
@@ -342,7 +342,7 @@ pub(super) fn floor(problem: &ControlProblem, intervals: usize) -> f64 {
 
 /// What it costs to be off by its scale in every state for some intervals.
 fn what_scales_cost(ocp: &mut Ocp, x0: &[f64], u: &[f64], intervals: usize) -> f64 {
-    let mut moved = Trajectory::constant(ocp.steps, x0, u);
+    let mut moved = PlannedTrajectory::constant(ocp.steps, x0, u);
     let share = intervals as f64 / ocp.steps as f64;
     let still = ocp.cost(0, &moved);
     let mut sum = 0.0;
@@ -394,7 +394,7 @@ fn acts_late(problem: &ControlProblem) -> bool {
 }
 
 /// Whether the stage cost at the end of the run is far from what the plan falls to.
-fn not_settling(problem: &ControlProblem, plan: &Trajectory, last: f64, floor: f64) -> Option<Note> {
+fn not_settling(problem: &ControlProblem, plan: &PlannedTrajectory, last: f64, floor: f64) -> Option<Note> {
     let mut ocp = problem.ocp.clone();
     let steps = plan.steps();
     let mut stage = |k: usize| ocp.stage_cost(k, k as f64 * ocp.dt, plan.x(k), plan.u(k));

@@ -22,7 +22,7 @@
 
 use super::program::{NOWHERE, StageProgram};
 use crate::ocp::{CostFunction, Ocp};
-use crate::transcription::{Linearization, carry_block};
+use crate::transcription::{ShootingLinearization, carry_block};
 use bracketry_numerics::dense::is_positive_definite;
 use std::ops::Range;
 
@@ -123,7 +123,7 @@ impl StageBlocks {
         &mut self,
         k: usize,
         (n, w): (usize, usize),
-        lin: &Linearization,
+        lin: &ShootingLinearization,
         cost: Option<(&CostFunction, f64, &[f64])>,
     ) {
         let range = k * w * w..(k + 1) * w * w;
@@ -176,7 +176,7 @@ impl StageBlocks {
         p: &mut StageProgram,
         terminal_slots: &[usize],
         ocp: &Ocp,
-        lin: &Linearization,
+        lin: &ShootingLinearization,
     ) {
         self.moved.clear();
         let (n, m, steps) = (p.states, p.inputs, p.steps);
@@ -256,7 +256,7 @@ impl StageBlocks {
 
     /// Where the program of Gauss and Newton has hardly any curvature to move toward, as with an economic cost: adds as little as
     /// makes that of the exact Hessian convex. False where there is enough, or even the largest shift is too small.
-    fn shift_until_convex(&mut self, program: &StageProgram, lin: &Linearization) -> bool {
+    fn shift_until_convex(&mut self, program: &StageProgram, lin: &ShootingLinearization) -> bool {
         let last = std::mem::take(&mut self.shift);
         let size = &self.size;
         let w = size.len();
@@ -277,7 +277,7 @@ impl StageBlocks {
 
     /// Whether the program with this share of the exact Hessian, and this relative curvature added, is convex, with curvature moved
     /// if need be.
-    fn blend(&mut self, program: &StageProgram, lin: &Linearization, share: f64, shift: f64) -> bool {
+    fn blend(&mut self, program: &StageProgram, lin: &ShootingLinearization, share: f64, shift: f64) -> bool {
         let (n, m, steps) = (program.states, program.inputs, program.steps);
         let w = n + m;
         let Self { extra, base, stages, moved, size, terminal, p, product, factor, held, carried, .. } = self;

@@ -3,8 +3,8 @@
 use super::assembly::Assembly;
 use super::program::NOWHERE;
 use crate::ocp::{CostPoint, Ocp};
-use crate::trajectory::Trajectory;
-use crate::transcription::Linearization;
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::ShootingLinearization;
 use std::ops::Range;
 
 /// Smallest curvature of any variable, in units of its size and of the objective: keeps the program strictly convex.
@@ -22,8 +22,8 @@ const SMALLEST_OBJECTIVE: f64 = 1e-12;
 pub(super) struct LinearizationPoint<'a> {
     /// Grid point of the run at which the horizon starts.
     pub(super) k0: usize,
-    pub(super) trajectory: &'a Trajectory,
-    pub(super) lin: &'a Linearization,
+    pub(super) trajectory: &'a PlannedTrajectory,
+    pub(super) lin: &'a ShootingLinearization,
 }
 
 impl Assembly {
@@ -306,7 +306,7 @@ impl Assembly {
         }
     }
 
-    pub(super) fn fill_bounds(&mut self, ocp: &Ocp, trajectory: &Trajectory) {
+    pub(super) fn fill_bounds(&mut self, ocp: &Ocp, trajectory: &PlannedTrajectory) {
         let right = &mut self.program.right;
         for r in &self.input_rows {
             let (v, b) = (trajectory.u(r.k)[r.of], ocp.input_bounds[r.of]);

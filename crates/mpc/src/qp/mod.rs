@@ -26,8 +26,8 @@ pub use program::StageProgram;
 use crate::controller::SolverEffort;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
-use crate::transcription::Linearization;
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::ShootingLinearization;
 use assembly::Assembly;
 use automatic::Automatic;
 use clarabel::Clarabel;
@@ -160,8 +160,8 @@ impl Qp {
         &mut self,
         ocp: &mut Ocp,
         k0: usize,
-        trajectory: &Trajectory,
-        lin: &Linearization,
+        trajectory: &PlannedTrajectory,
+        lin: &ShootingLinearization,
         proximal: f64,
     ) {
         self.proximal = proximal;
@@ -175,8 +175,8 @@ impl Qp {
         &mut self,
         ocp: &mut Ocp,
         k0: usize,
-        trajectory: &Trajectory,
-        lin: &Linearization,
+        trajectory: &PlannedTrajectory,
+        lin: &ShootingLinearization,
     ) {
         self.assembly.fill_first(ocp, LinearizationPoint { k0, trajectory, lin }, self.proximal);
         self.backend.load_first(&self.assembly.program, &lin.jacobian);
@@ -185,7 +185,14 @@ impl Qp {
     /// Second-order correction of the program just solved: matrices and objective stay, but dynamics and constraints take the
     /// values at the end of the step in place of those that their linearizations promised there. `trial` is that end, `ends`
     /// the ends of its intervals.
-    pub(crate) fn correct(&mut self, ocp: &mut Ocp, k0: usize, trial: &Trajectory, ends: &[f64], lin: &Linearization) {
+    pub(crate) fn correct(
+        &mut self,
+        ocp: &mut Ocp,
+        k0: usize,
+        trial: &PlannedTrajectory,
+        ends: &[f64],
+        lin: &ShootingLinearization,
+    ) {
         self.assembly.correct(ocp, LinearizationPoint { k0, trajectory: trial, lin }, ends, &self.stage.z);
         self.backend.load(&self.assembly.program, &lin.jacobian);
     }

@@ -5,8 +5,8 @@ use super::exact_hessian::block_places;
 use super::filling::LinearizationPoint;
 use super::program::{NOWHERE, StageProgram};
 use crate::ocp::{Ocp, Softness};
-use crate::trajectory::Trajectory;
-use crate::transcription::Linearization;
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::ShootingLinearization;
 
 /// A constraint c(x_k, u_k) + s ≥ 0.
 pub(crate) struct NonlinearRow {
@@ -139,8 +139,8 @@ impl NonlinearProgram {
         &mut self,
         ocp: &mut Ocp,
         k0: usize,
-        trajectory: &Trajectory,
-        lin: &Linearization,
+        trajectory: &PlannedTrajectory,
+        lin: &ShootingLinearization,
         c: &mut Vec<f64>,
     ) {
         let all = 0..self.assembly.path.len();
@@ -161,8 +161,8 @@ impl NonlinearProgram {
         &mut self,
         ocp: &mut Ocp,
         k0: usize,
-        trajectory: &Trajectory,
-        lin: &Linearization,
+        trajectory: &PlannedTrajectory,
+        lin: &ShootingLinearization,
         multipliers: &[f64],
     ) {
         let at = LinearizationPoint { k0, trajectory, lin };

@@ -92,7 +92,7 @@ fn everything() -> Ocp {
 }
 
 /// A point and a stable linearization at it, drawn at random within the flow's pattern.
-fn random_point(seed: u64) -> (Trajectory, Linearization, Vec<bool>) {
+fn random_point(seed: u64) -> (PlannedTrajectory, ShootingLinearization, Vec<bool>) {
     let mut random = Random(seed);
     let x: Vec<Vec<f64>> = (0..=STEPS).map(|_| random.vector(3, 0.8)).collect();
     let u: Vec<Vec<f64>> = (0..STEPS).map(|_| random.vector(2, 0.5)).collect();
@@ -103,7 +103,11 @@ fn random_point(seed: u64) -> (Trajectory, Linearization, Vec<bool>) {
         *v = 0.0 * i as f64;
     }
     let end = random.vector(STEPS * 3, 0.8);
-    (Trajectory::from_rows(&x, &u).unwrap(), Linearization { end, jacobian, ..Linearization::default() }, closure)
+    (
+        PlannedTrajectory::from_rows(&x, &u).unwrap(),
+        ShootingLinearization { end, jacobian, ..ShootingLinearization::default() },
+        closure,
+    )
 }
 
 fn settings(form: ProgramForm, tolerance: f64) -> QpSettings {

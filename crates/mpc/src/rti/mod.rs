@@ -17,8 +17,8 @@ use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
 use crate::ocp::{Bounds, Ocp};
 use crate::qp::{Qp, QpStatus};
-use crate::trajectory::Trajectory;
-use crate::transcription::{Linearization, Transcription};
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::{ShootingLinearization, Transcription};
 use std::time::Instant;
 use tangential_predictor::{Tangent, first_hessian};
 
@@ -35,12 +35,12 @@ pub struct Rti {
     problem: Transcription,
     settings: RtiSettings,
     qp: Qp,
-    lin: Linearization,
-    trajectory: Trajectory,
+    lin: ShootingLinearization,
+    trajectory: PlannedTrajectory,
     /// Trajectory at work in the feedback; a failed one leaves the plan as it is.
-    work: Trajectory,
+    work: PlannedTrajectory,
     /// Candidate of the guarded step.
-    trial: Trajectory,
+    trial: PlannedTrajectory,
     step: Step,
     failures: Failures,
     limits: StepLimits,
@@ -54,14 +54,14 @@ pub struct Rti {
 }
 
 impl Rti {
-    /// A controller that starts from `trajectory` (a plan, or [`Trajectory::constant`]).
+    /// A controller that starts from `trajectory` (a plan, or [`PlannedTrajectory::constant`]).
     ///
     /// # Errors
     /// If the problem contradicts itself, the dynamics or the trajectory, or a setting is out of its range.
     pub fn new(
         dynamics: Box<dyn Dynamics>,
         ocp: Ocp,
-        trajectory: Trajectory,
+        trajectory: PlannedTrajectory,
         settings: RtiSettings,
     ) -> Result<Self, MpcError> {
         let mut problem = Transcription::new(dynamics, ocp)?;
@@ -83,7 +83,7 @@ impl Rti {
             problem,
             settings,
             qp,
-            lin: Linearization::default(),
+            lin: ShootingLinearization::default(),
             work: trajectory.clone(),
             trial: trajectory.clone(),
             trajectory,
@@ -96,7 +96,7 @@ impl Rti {
     }
 
     /// The trajectory that the next input comes from.
-    pub fn trajectory(&self) -> &Trajectory {
+    pub fn trajectory(&self) -> &PlannedTrajectory {
         &self.trajectory
     }
 
@@ -441,7 +441,7 @@ impl Controller for Rti {
     fn shift(&mut self) {
         Rti::shift(self);
     }
-    fn plan(&self) -> &Trajectory {
+    fn plan(&self) -> &PlannedTrajectory {
         &self.trajectory
     }
     fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {

@@ -7,8 +7,8 @@
 
 use crate::ocp::{CostFunction, CostPoint, Ocp};
 use crate::qp::StageProgram;
-use crate::trajectory::Trajectory;
-use crate::transcription::Linearization;
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::ShootingLinearization;
 use nalgebra::DMatrix;
 
 /// Distance from an inequality, per unit of its right-hand side or 1, below which it counts as active. Interior-point
@@ -139,7 +139,13 @@ impl Tangent {
     }
 
     /// Moves a trajectory to the initial state `x`; whether the inputs keep their bounds without being clamped.
-    pub(crate) fn follow(&mut self, x: &[f64], lin: &Linearization, ocp: &Ocp, trajectory: &mut Trajectory) -> bool {
+    pub(crate) fn follow(
+        &mut self,
+        x: &[f64],
+        lin: &ShootingLinearization,
+        ocp: &Ocp,
+        trajectory: &mut PlannedTrajectory,
+    ) -> bool {
         let (n, m) = (self.n, self.m);
         let w = n + m;
         for i in 0..n {
@@ -173,7 +179,7 @@ impl Tangent {
 }
 
 /// Second derivatives dt·∂²l/∂(x, u)² at the first grid point, in full.
-pub(crate) fn first_hessian(ocp: &mut Ocp, k0: usize, trajectory: &Trajectory) -> Vec<f64> {
+pub(crate) fn first_hessian(ocp: &mut Ocp, k0: usize, trajectory: &PlannedTrajectory) -> Vec<f64> {
     let w = ocp.states() + ocp.inputs();
     let mut full = vec![0.0; w * w];
     let Some(mut cost) = ocp.stage.take() else { return full };

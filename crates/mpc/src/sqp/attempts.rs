@@ -7,7 +7,7 @@ use super::solution::{Iteration, Solution, SolveStatus};
 use super::solver::{Sqp, Stop};
 use crate::error::MpcError;
 use crate::qp::{NonlinearProgram, QpStatus};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Steps of the interior-point method beyond which another way from the guess may lead to a better solution.
 const LONG: usize = 50;
@@ -41,7 +41,7 @@ enum Start {
 /// How an attempt of the filter method ended.
 struct Attempt {
     number: usize,
-    end: Trajectory,
+    end: PlannedTrajectory,
     stop: Stop,
     merit: f64,
     exact: bool,
@@ -63,7 +63,7 @@ impl Sqp {
     /// not confirm what the interior-point method finds, that leads alone.
     pub(super) fn solve_smooth(
         &mut self,
-        z: &mut Trajectory,
+        z: &mut PlannedTrajectory,
         warm: bool,
         log: &mut Vec<Iteration>,
     ) -> Result<SolveStatus, MpcError> {
@@ -151,7 +151,7 @@ impl Sqp {
     }
 
     /// As [`Sqp::solve`], for a controller whose first sample solves on from there: no program confirms what the interior-point method finds.
-    pub(crate) fn solve_first(&mut self, x0: &[f64], guess: &Trajectory) -> Result<Solution, MpcError> {
+    pub(crate) fn solve_first(&mut self, x0: &[f64], guess: &PlannedTrajectory) -> Result<Solution, MpcError> {
         self.confirming = false;
         let solution = self.solve(x0, guess);
         self.confirming = true;
@@ -159,7 +159,11 @@ impl Sqp {
     }
 
     /// The interior-point method from a guess, where it takes the problem and converges.
-    fn interior_point(&mut self, guess: &Trajectory, barrier: f64) -> Result<Option<InteriorSolution>, MpcError> {
+    fn interior_point(
+        &mut self,
+        guess: &PlannedTrajectory,
+        barrier: f64,
+    ) -> Result<Option<InteriorSolution>, MpcError> {
         if !self.prepare_interior_point() {
             return Ok(None);
         }

@@ -9,12 +9,12 @@ use crate::controller::{
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
 use crate::qp::QpStatus;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Solves every sample to convergence, from the shifted solution of the last.
 pub struct SqpController {
     sqp: Sqp,
-    trajectory: Trajectory,
+    trajectory: PlannedTrajectory,
     k: usize,
     step: Step,
     failures: Failures,
@@ -23,7 +23,7 @@ pub struct SqpController {
 
 impl SqpController {
     /// A controller that starts from the guess and rests at zero (or the input closest to it) when a plan is used up.
-    pub fn new(sqp: Sqp, guess: Trajectory) -> Self {
+    pub fn new(sqp: Sqp, guess: PlannedTrajectory) -> Self {
         let rest = sqp.ocp().input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
         let failures = Failures::new(FailurePolicy::ShiftedInput, rest, guess.states(), guess.steps());
         let step = Step::undecided(guess.inputs());
@@ -104,7 +104,7 @@ impl Controller for SqpController {
         self.sqp.set_start(self.k);
         self.sqp.shift(&mut self.trajectory);
     }
-    fn plan(&self) -> &Trajectory {
+    fn plan(&self) -> &PlannedTrajectory {
         &self.trajectory
     }
     fn ocp(&self) -> &Ocp {

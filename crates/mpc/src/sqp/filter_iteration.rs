@@ -19,7 +19,7 @@ use super::solution::Iteration;
 use super::solver::{Sqp, Stop};
 use crate::error::{MpcError, check_flag};
 use crate::qp::QpStatus;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use crate::transcription::Merit;
 
 /// Factor by which the proximal weight grows when no step is acceptable, and falls after a whole step.
@@ -53,7 +53,7 @@ const MAX_FAILURES: usize = 12;
 
 /// The iteration at work.
 struct Iterate {
-    at: Trajectory,
+    at: PlannedTrajectory,
     now: Merit,
     filter: Filter,
     /// Whether the defects were removed by simulation.
@@ -89,7 +89,7 @@ impl Iterate {
 
 /// A fraction of a program's step.
 struct Step {
-    end: Trajectory,
+    end: PlannedTrajectory,
     merit: Merit,
     fraction: f64,
     /// Decrease of the objective that the whole step promised.
@@ -109,7 +109,7 @@ impl Sqp {
     /// does not converge, the trajectory is the last one if its merit is less than at first, else as it was.
     pub(super) fn filter_method(
         &mut self,
-        z: &mut Trajectory,
+        z: &mut PlannedTrajectory,
         width: f64,
         (widest, programs): (f64, usize),
         log: &mut Vec<Iteration>,
@@ -212,7 +212,7 @@ impl Sqp {
     fn search(
         &mut self,
         run: &Iterate,
-        (mut end, mut merit): (Trajectory, Merit),
+        (mut end, mut merit): (PlannedTrajectory, Merit),
         promised: f64,
         line: &mut Iteration,
         log: &mut Vec<Iteration>,
@@ -357,7 +357,7 @@ impl Sqp {
     }
 
     /// What removing the defects of the trajectory whose merit was computed last may change in the objective, to first order.
-    fn price_of_defects(&self, z: &Trajectory) -> f64 {
+    fn price_of_defects(&self, z: &PlannedTrajectory) -> f64 {
         let n = z.states();
         let (y, ends) = (&self.qp.solution.multipliers, &self.problem.ends);
         y.iter().zip(ends).enumerate().map(|(i, (y, end))| (y * (end - z.x(i / n + 1)[i % n])).abs()).sum()
@@ -365,7 +365,7 @@ impl Sqp {
 
     /// Feasibility restoration: the trajectory of the same inputs, which has no defects, unless the dynamics leave the numbers
     /// on the way.
-    fn restore(&mut self, z: &mut Trajectory, now: &mut Merit) -> bool {
+    fn restore(&mut self, z: &mut PlannedTrajectory, now: &mut Merit) -> bool {
         let mut simulated = z.clone();
         self.problem.roll_out(&mut simulated);
         self.problem.shooter.take_failure();
@@ -379,7 +379,7 @@ impl Sqp {
     }
 
     /// The iterate after a fraction of the program's step, with its inputs within their bounds.
-    pub(crate) fn trial(&mut self, z: &Trajectory, fraction: f64) -> (Trajectory, Merit) {
+    pub(crate) fn trial(&mut self, z: &PlannedTrajectory, fraction: f64) -> (PlannedTrajectory, Merit) {
         let mut trial = self.spare.copy(z);
         trial.add(fraction, &self.qp.solution.dx, &self.qp.solution.du);
         trial.clamp_inputs(&self.problem.ocp.input_bounds);
@@ -388,7 +388,7 @@ impl Sqp {
     }
 
     /// Another fraction of the step in the place of one that was tried before.
-    fn try_again(&mut self, z: &Trajectory, fraction: f64, end: &mut Trajectory, merit: &mut Merit) {
+    fn try_again(&mut self, z: &PlannedTrajectory, fraction: f64, end: &mut PlannedTrajectory, merit: &mut Merit) {
         let (trial, found) = self.trial(z, fraction);
         self.spare.replace(end, trial);
         *merit = found;

@@ -3,7 +3,7 @@
 use super::settings::Hessian;
 use crate::controller::SolverEffort;
 use crate::qp::QpStatus;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use std::fmt;
 
 /// How the iteration ended.
@@ -57,7 +57,7 @@ pub struct Iteration {
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// States and inputs.
-    pub trajectory: Trajectory,
+    pub trajectory: PlannedTrajectory,
     /// How the iteration ended.
     pub status: SolveStatus,
     /// Stage and terminal cost, without penalties.

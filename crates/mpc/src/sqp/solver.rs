@@ -9,8 +9,8 @@ use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_flag, check_length, check_value};
 use crate::ocp::Ocp;
 use crate::qp::{NonlinearProgram, Qp, QpStatus};
-use crate::trajectory::Trajectory;
-use crate::transcription::{Linearization, Merit, Transcription};
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::{Merit, ShootingLinearization, Transcription};
 use std::time::Instant;
 
 /// The solver: problem, dynamics and memory.
@@ -18,7 +18,7 @@ pub struct Sqp {
     pub(crate) problem: Transcription,
     pub(crate) settings: SqpSettings,
     pub(crate) qp: Qp,
-    pub(crate) lin: Linearization,
+    pub(crate) lin: ShootingLinearization,
     /// Places of the field's second derivatives while programs have the exact Hessian.
     field: Option<Vec<(usize, usize)>>,
     /// The programs with the other Hessian, where the choice is automatic.
@@ -82,7 +82,7 @@ impl Sqp {
             problem,
             settings,
             qp,
-            lin: Linearization::default(),
+            lin: ShootingLinearization::default(),
             field,
             other,
             interior: None,
@@ -165,11 +165,11 @@ impl Sqp {
     ///
     /// # Errors
     /// If a length is wrong.
-    pub fn guess(&mut self, x0: &[f64], inputs: &[Vec<f64>]) -> Result<Trajectory, MpcError> {
+    pub fn guess(&mut self, x0: &[f64], inputs: &[Vec<f64>]) -> Result<PlannedTrajectory, MpcError> {
         let n = self.problem.ocp.states();
         check_length("the initial state", x0.len(), n)?;
         check_length("the list of inputs", inputs.len(), self.problem.ocp.steps)?;
-        let mut g = Trajectory::from_rows(&vec![x0.to_vec(); inputs.len() + 1], inputs)?;
+        let mut g = PlannedTrajectory::from_rows(&vec![x0.to_vec(); inputs.len() + 1], inputs)?;
         self.problem.check_trajectory(&g)?;
         if let Some(&w) = self.settings.smoothing.first() {
             self.problem.dynamics.set_smoothing(w);
@@ -183,13 +183,13 @@ impl Sqp {
     ///
     /// # Errors
     /// If a length is wrong; everything else is a status.
-    pub fn solve(&mut self, x0: &[f64], guess: &Trajectory) -> Result<Solution, MpcError> {
+    pub fn solve(&mut self, x0: &[f64], guess: &PlannedTrajectory) -> Result<Solution, MpcError> {
         self.start_afresh()?;
         self.solve_from(x0, guess, false)
     }
 
     /// As [`Sqp::solve`], for the sample after the last one: with its multipliers, one interval later, and its Hessian.
-    pub(crate) fn solve_next(&mut self, x0: &[f64], guess: &Trajectory) -> Result<Solution, MpcError> {
+    pub(crate) fn solve_next(&mut self, x0: &[f64], guess: &PlannedTrajectory) -> Result<Solution, MpcError> {
         self.solve_from(x0, guess, true)
     }
 
@@ -198,7 +198,7 @@ impl Sqp {
         self.spare.give_solution(solution);
     }
 
-    fn solve_from(&mut self, x0: &[f64], guess: &Trajectory, warm: bool) -> Result<Solution, MpcError> {
+    fn solve_from(&mut self, x0: &[f64], guess: &PlannedTrajectory, warm: bool) -> Result<Solution, MpcError> {
         let start = Instant::now();
         check_length("the initial state", x0.len(), self.problem.ocp.states())?;
         self.problem.check_trajectory(guess)?;
@@ -281,14 +281,14 @@ impl Sqp {
     }
 
     /// Moves a trajectory on by one interval: the last input is held for one more.
-    pub(crate) fn shift(&mut self, trajectory: &mut Trajectory) {
+    pub(crate) fn shift(&mut self, trajectory: &mut PlannedTrajectory) {
         self.problem.ocp.move_on(trajectory);
         self.qp.shift_multipliers();
         self.problem.extend_last(trajectory);
     }
 
     /// Fills the program in at a trajectory that has been linearized, the exact Hessian with the multipliers of the last program.
-    pub(crate) fn assemble(&mut self, z: &Trajectory, proximal: f64) {
+    pub(crate) fn assemble(&mut self, z: &PlannedTrajectory, proximal: f64) {
         if let Some(field) = &self.field {
             self.problem.curvatures(z, &self.qp.solution.multipliers, field, &mut self.lin);
         }
@@ -313,7 +313,7 @@ impl Sqp {
 
     fn iterate(
         &mut self,
-        z: &mut Trajectory,
+        z: &mut PlannedTrajectory,
         width: f64,
         last: bool,
         lambda: &mut f64,

@@ -1,7 +1,7 @@
 //! Memory of trajectories and logs that are no longer needed, for those that follow: a sample allocates nothing.
 
 use super::solution::{Iteration, Solution};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Trajectories that are kept: more are not in use at a time.
 const KEPT: usize = 8;
@@ -9,7 +9,7 @@ const KEPT: usize = 8;
 /// What is no longer needed.
 #[derive(Default)]
 pub(super) struct TrajectoryPool {
-    trajectories: Vec<Trajectory>,
+    trajectories: Vec<PlannedTrajectory>,
     logs: Vec<Vec<Iteration>>,
     misses: Vec<Vec<f64>>,
     entries: Vec<Vec<(f64, f64)>>,
@@ -17,7 +17,7 @@ pub(super) struct TrajectoryPool {
 
 impl TrajectoryPool {
     /// A copy of a trajectory.
-    pub(super) fn copy(&mut self, of: &Trajectory) -> Trajectory {
+    pub(super) fn copy(&mut self, of: &PlannedTrajectory) -> PlannedTrajectory {
         match self.trajectories.pop() {
             Some(mut copy) if (copy.states(), copy.inputs()) == (of.states(), of.inputs()) => {
                 copy.copy_from(of);
@@ -28,14 +28,14 @@ impl TrajectoryPool {
     }
 
     /// Keeps a trajectory.
-    pub(super) fn give(&mut self, trajectory: Trajectory) {
+    pub(super) fn give(&mut self, trajectory: PlannedTrajectory) {
         if self.trajectories.len() < KEPT {
             self.trajectories.push(trajectory);
         }
     }
 
     /// Puts a trajectory in the place of another, which is kept.
-    pub(super) fn replace(&mut self, old: &mut Trajectory, new: Trajectory) {
+    pub(super) fn replace(&mut self, old: &mut PlannedTrajectory, new: PlannedTrajectory) {
         let old = std::mem::replace(old, new);
         self.give(old);
     }

@@ -6,5 +6,5 @@ mod shooting;
 
 pub(crate) use merit::Merit;
 pub(crate) use multiple_shooting::{STABLE_STEP, Transcription};
-pub use shooting::Linearization;
+pub use shooting::ShootingLinearization;
 pub(crate) use shooting::{Shooter, carry_block, spread_flow};

@@ -1,11 +1,11 @@
 //! Problem, dynamics and integrator together: what both solution methods share.
 
 use super::merit::Merit;
-use super::shooting::{Grid, Linearization, Shooter};
+use super::shooting::{Grid, Shooter, ShootingLinearization};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
 use crate::ocp::{Ocp, Substeps};
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 
 /// Largest product of step and relaxation rate; the method of order 4 is stable up to 2.78 on the negative real axis.
 pub(crate) const STABLE_STEP: f64 = 2.0;
@@ -60,14 +60,14 @@ impl Transcription {
         Ok(relaid)
     }
 
-    pub(crate) fn check_trajectory(&self, trajectory: &Trajectory) -> Result<(), MpcError> {
+    pub(crate) fn check_trajectory(&self, trajectory: &PlannedTrajectory) -> Result<(), MpcError> {
         check_length("the states of the guess", trajectory.states(), self.ocp.states())?;
         check_length("the inputs of the guess", trajectory.inputs(), self.ocp.inputs())?;
         check_length("the guess", trajectory.steps(), self.ocp.steps)
     }
 
     /// Chooses the number of integration steps for the current smoothing.
-    pub(crate) fn choose_substeps(&mut self, trajectory: &Trajectory) {
+    pub(crate) fn choose_substeps(&mut self, trajectory: &PlannedTrajectory) {
         self.substeps = match self.ocp.substeps {
             Substeps::Fixed(s) => s,
             // An implicit method is stable for any step.
@@ -85,7 +85,13 @@ impl Transcription {
         };
     }
 
-    pub(crate) fn linearize(&mut self, trajectory: &Trajectory, from: usize, to: usize, lin: &mut Linearization) {
+    pub(crate) fn linearize(
+        &mut self,
+        trajectory: &PlannedTrajectory,
+        from: usize,
+        to: usize,
+        lin: &mut ShootingLinearization,
+    ) {
         let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.linearize(self.dynamics.as_mut(), grid, trajectory, from..to, lin);
     }
@@ -93,10 +99,10 @@ impl Transcription {
     /// As [`Transcription::linearize`] for all intervals, with the second derivatives of [`Transcription::curvatures`].
     pub(crate) fn linearize_with_curvatures(
         &mut self,
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         multipliers: &[f64],
         field: &[(usize, usize)],
-        lin: &mut Linearization,
+        lin: &mut ShootingLinearization,
     ) {
         let grid = grid(&self.ocp, self.k0, self.substeps);
         let dynamics = self.dynamics.as_mut();
@@ -107,23 +113,23 @@ impl Transcription {
     /// the field.
     pub(crate) fn curvatures(
         &mut self,
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         multipliers: &[f64],
         field: &[(usize, usize)],
-        lin: &mut Linearization,
+        lin: &mut ShootingLinearization,
     ) {
         let grid = grid(&self.ocp, self.k0, self.substeps);
         let dynamics = self.dynamics.as_mut();
         self.shooter.curvatures(dynamics, grid, trajectory, multipliers, field, &mut lin.curvature);
     }
 
-    pub(crate) fn roll_out(&mut self, trajectory: &mut Trajectory) {
+    pub(crate) fn roll_out(&mut self, trajectory: &mut PlannedTrajectory) {
         let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.roll_out(self.dynamics.as_mut(), grid, trajectory);
     }
 
     /// Fills in the last state from the one before it, unless the dynamics fail there.
-    pub(crate) fn extend_last(&mut self, trajectory: &mut Trajectory) {
+    pub(crate) fn extend_last(&mut self, trajectory: &mut PlannedTrajectory) {
         let last = trajectory.steps() - 1;
         if self.advance(last, trajectory.x(last), trajectory.u(last)) {
             trajectory.x_mut(last + 1).copy_from_slice(&self.end);
@@ -147,7 +153,7 @@ impl Transcription {
     }
 
     /// Merit of a trajectory whose interval ends have been computed.
-    pub(crate) fn merit_with(&mut self, trajectory: &Trajectory, ends: &[f64], hard: f64) -> Merit {
+    pub(crate) fn merit_with(&mut self, trajectory: &PlannedTrajectory, ends: &[f64], hard: f64) -> Merit {
         let n = self.ocp.states();
         let (mut sum, mut worst) = (0.0, 0.0_f64);
         for k in 0..trajectory.steps() {
@@ -162,13 +168,13 @@ impl Transcription {
     }
 
     /// Ends of all intervals of a trajectory.
-    pub(crate) fn end_states(&mut self, trajectory: &Trajectory, ends: &mut Vec<f64>) {
+    pub(crate) fn end_states(&mut self, trajectory: &PlannedTrajectory, ends: &mut Vec<f64>) {
         let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.end_states(self.dynamics.as_mut(), grid, trajectory, ends);
     }
 
     /// Merit of any trajectory.
-    pub(crate) fn merit(&mut self, trajectory: &Trajectory, hard: f64) -> Merit {
+    pub(crate) fn merit(&mut self, trajectory: &PlannedTrajectory, hard: f64) -> Merit {
         let mut ends = std::mem::take(&mut self.ends);
         self.end_states(trajectory, &mut ends);
         let merit = self.merit_with(trajectory, &ends, hard);

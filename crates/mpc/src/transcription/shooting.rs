@@ -5,12 +5,12 @@ use crate::integrator::{
     Collocation, Differentiated, ExplicitRungeKutta, Integrator, Interval, MapIteration, OneStepMethod, Stages,
 };
 use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use bracketry_numerics::collocation::Tableau;
 
 /// End states of every interval, and their derivatives.
 #[derive(Clone, Debug, Default)]
-pub struct Linearization {
+pub struct ShootingLinearization {
     /// F(x_k, u_k), N rows of n entries.
     pub end: Vec<f64>,
     /// ∂F/∂(x, u), N blocks of n rows of n + m entries.
@@ -187,9 +187,9 @@ impl Shooter {
         &mut self,
         dynamics: &mut dyn Dynamics,
         grid: Grid<'_>,
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         intervals: std::ops::Range<usize>,
-        out: &mut Linearization,
+        out: &mut ShootingLinearization,
     ) {
         let (n, w) = (self.states(), self.states() + self.m);
         out.end.resize(trajectory.steps() * n, 0.0);
@@ -252,7 +252,7 @@ impl Shooter {
         &mut self,
         dynamics: &mut dyn Dynamics,
         grid: Grid<'_>,
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         multipliers: &[f64],
         field: &[(usize, usize)],
         out: &mut Vec<f64>,
@@ -277,9 +277,9 @@ impl Shooter {
         &mut self,
         dynamics: &mut dyn Dynamics,
         grid: Grid<'_>,
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         (multipliers, field): (&[f64], &[(usize, usize)]),
-        out: &mut Linearization,
+        out: &mut ShootingLinearization,
     ) {
         let (n, w, steps) = (self.states(), self.states() + self.m, trajectory.steps());
         out.end.resize(steps * n, 0.0);
@@ -310,7 +310,7 @@ impl Shooter {
         &mut self,
         dynamics: &mut dyn Dynamics,
         grid: Grid<'_>,
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         end: &mut Vec<f64>,
     ) {
         let n = self.states();
@@ -323,7 +323,7 @@ impl Shooter {
     }
 
     /// Replaces the states by those that follow from x_0 and the inputs.
-    pub(crate) fn roll_out(&mut self, dynamics: &mut dyn Dynamics, grid: Grid<'_>, trajectory: &mut Trajectory) {
+    pub(crate) fn roll_out(&mut self, dynamics: &mut dyn Dynamics, grid: Grid<'_>, trajectory: &mut PlannedTrajectory) {
         for k in 0..trajectory.steps() {
             let mut x = trajectory.x(k).to_vec();
             let interval = grid.enter(dynamics, k, trajectory.u(k));

@@ -2,8 +2,8 @@
 
 use approx::assert_relative_eq;
 use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, InputSource, LoopSettings, MpcError, Ocp, Preparation, Rti, RtiSettings,
-    RungeKuttaPlant, Softness, Sqp, SqpSettings, Substeps, SymbolicDynamics, TerminalTarget, Trajectory,
+    Bounds, CostFunction, CostKind, InputSource, LoopSettings, MpcError, Ocp, PlannedTrajectory, Preparation, Rti,
+    RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpSettings, Substeps, SymbolicDynamics, TerminalTarget,
     run_closed_loop,
 };
 use bracketry_system::System;
@@ -34,7 +34,7 @@ fn converged(x: &[f64]) -> f64 {
     let (system, ocp) = problem();
     let settings = SqpSettings { tolerance: 1e-12, ..SqpSettings::default() };
     let mut sqp = Sqp::new(dynamics(&system), ocp, settings).unwrap();
-    sqp.solve(x, &Trajectory::constant(STEPS, x, &[0.0])).unwrap().trajectory.u(0)[0]
+    sqp.solve(x, &PlannedTrajectory::constant(STEPS, x, &[0.0])).unwrap().trajectory.u(0)[0]
 }
 
 /// A controller that stands before its second sample; its model predicts that the second sample finds `predicted`.
@@ -42,7 +42,7 @@ fn before_the_second_sample(preparation: Preparation) -> (Rti, Vec<f64>) {
     let (system, ocp) = problem();
     let x0 = [0.3, 0.1, 0.0, 0.0];
     let mut sqp = Sqp::new(dynamics(&system), ocp.clone(), SqpSettings::default()).unwrap();
-    let plan = sqp.solve(&x0, &Trajectory::constant(STEPS, &x0, &[0.0])).unwrap().trajectory;
+    let plan = sqp.solve(&x0, &PlannedTrajectory::constant(STEPS, &x0, &[0.0])).unwrap().trajectory;
     let settings = RtiSettings { preparation, ..RtiSettings::default() };
     let mut rti = Rti::new(dynamics(&system), ocp, plan, settings).unwrap();
     rti.feedback(&x0).unwrap();
@@ -107,7 +107,7 @@ fn swing_up(preparation: Preparation) -> (f64, usize) {
     ocp.input_bounds = vec![(-80.0, 80.0)];
     let x0 = [0.0, PI, 0.0, 0.0];
     let settings = RtiSettings { preparation, ..RtiSettings::default() };
-    let start = Trajectory::constant(STEPS, &x0, &[0.0]);
+    let start = PlannedTrajectory::constant(STEPS, &x0, &[0.0]);
     let mut rti = Rti::new(dynamics(&system), ocp, start, settings).unwrap();
     for _ in 1..30 {
         rti.feedback(&x0).unwrap();
@@ -130,7 +130,7 @@ fn the_advanced_step_costs_as_much_as_full_convergence() {
 #[test]
 fn what_the_tangent_cannot_hold_is_refused() {
     let (system, mut ocp) = problem();
-    let start = Trajectory::constant(STEPS, &[0.0; 4], &[0.0]);
+    let start = PlannedTrajectory::constant(STEPS, &[0.0; 4], &[0.0]);
     let settings =
         RtiSettings { preparation: Preparation::AdvancedStepTangential { programs: 0 }, ..RtiSettings::default() };
     assert!(matches!(Rti::new(dynamics(&system), ocp.clone(), start.clone(), settings), Err(MpcError::Value { .. })));

@@ -1,8 +1,8 @@
 //! Swing-up of a cart-pole: the closed-loop cost of a published benchmark.
 
 use bracketry_mpc::{
-    CostFunction, CostKind, LoopSettings, Ocp, Rti, RtiSettings, RungeKuttaPlant, Sqp, SqpController, SqpSettings,
-    Substeps, SymbolicDynamics, Trajectory, run_closed_loop,
+    CostFunction, CostKind, LoopSettings, Ocp, PlannedTrajectory, Rti, RtiSettings, RungeKuttaPlant, Sqp,
+    SqpController, SqpSettings, Substeps, SymbolicDynamics, run_closed_loop,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;
@@ -26,7 +26,7 @@ fn problem() -> (System, Ocp) {
 
 fn rti_cost(initial_iterations: usize) -> f64 {
     let (system, ocp) = problem();
-    let guess = Trajectory::constant(40, &X0, &[0.0]);
+    let guess = PlannedTrajectory::constant(40, &X0, &[0.0]);
     let mut rti =
         Rti::new(Box::new(SymbolicDynamics::new(&system).unwrap()), ocp, guess, RtiSettings::default()).unwrap();
     for _ in 1..initial_iterations {
@@ -54,7 +54,7 @@ fn real_time_iteration_from_a_cold_start_costs_a_fifth_more() {
 fn converged_sqp_reaches_the_reference_cost() {
     let (system, ocp) = problem();
     let sqp = Sqp::new(Box::new(SymbolicDynamics::new(&system).unwrap()), ocp, SqpSettings::default()).unwrap();
-    let guess = Trajectory::constant(40, &X0, &[0.0]);
+    let guess = PlannedTrajectory::constant(40, &X0, &[0.0]);
     let mut controller = SqpController::new(sqp, guess);
     let mut plant = RungeKuttaPlant::new(Box::new(SymbolicDynamics::new(&system).unwrap()), 2);
     let run = run_closed_loop(&mut controller, &mut plant, &X0, 100, LoopSettings::default()).unwrap();

@@ -2,8 +2,8 @@
 
 use approx::assert_relative_eq;
 use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, MpcError, NormConstraint, Ocp, PathConstraint, ProgramForm, QpSettings, Softness,
-    Solution, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, TerminalSet, Trajectory, VectorFunction,
+    Bounds, CostFunction, CostKind, MpcError, NormConstraint, Ocp, PathConstraint, PlannedTrajectory, ProgramForm,
+    QpSettings, Softness, Solution, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, TerminalSet, VectorFunction,
 };
 use bracketry_system::System;
 use nalgebra::{DMatrix, DVector};
@@ -37,7 +37,7 @@ fn solve(system: &System, ocp: &Ocp, form: ProgramForm, x0: [f64; 2]) -> Solutio
     let qp = QpSettings { form, tolerance: 1e-10, ..QpSettings::default() };
     let dynamics = Box::new(SymbolicDynamics::new(system).unwrap());
     let mut sqp = Sqp::new(dynamics, ocp.clone(), SqpSettings { qp, ..SqpSettings::default() }).unwrap();
-    let guess = Trajectory::constant(ocp.steps, &x0, &vec![0.0; ocp.inputs()]);
+    let guess = PlannedTrajectory::constant(ocp.steps, &x0, &vec![0.0; ocp.inputs()]);
     sqp.solve(&x0, &guess).unwrap()
 }
 

@@ -3,8 +3,8 @@
 //! Reference costs are those of CasADi and IPOPT for the same discretized problem from the same guess.
 
 use bracketry_mpc::{
-    ControlProblem, Convergence, CostFunction, CostKind, Hessian, Method, Ocp, Solution, SolveStatus, Sqp, SqpSettings,
-    Substeps, SymbolicDynamics, Trajectory,
+    ControlProblem, Convergence, CostFunction, CostKind, Hessian, Method, Ocp, PlannedTrajectory, Solution,
+    SolveStatus, Sqp, SqpSettings, Substeps, SymbolicDynamics,
 };
 use bracketry_system::System;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -251,7 +251,7 @@ fn a_trajectory_that_can_be_followed_is_followed_from_a_guess_at_rest() {
         ocp.references = (0..=steps).map(|k| [path.x(k), path.u(k.min(steps - 1))].concat()).collect();
         // Bounds that the path keeps.
         ocp.input_bounds = waves.iter().map(|w| (-w[0].abs() - 0.5, w[0].abs() + 0.5)).collect();
-        let s = solver(&ocp).solve(&x0, &Trajectory::constant(steps, &x0, &vec![0.0; joints])).unwrap();
+        let s = solver(&ocp).solve(&x0, &PlannedTrajectory::constant(steps, &x0, &vec![0.0; joints])).unwrap();
         assert_eq!(s.status, SolveStatus::Converged, "{trial}");
         assert!(s.cost < 1e-6, "{trial}: {} where 0 is possible", s.cost);
         // The interior-point method leads, whatever the number of inputs.

@@ -1,8 +1,8 @@
 //! The exact Hessian of the Lagrangian: convergence, and the same solutions as without it.
 
 use bracketry_mpc::{
-    CostFunction, CostKind, FieldDynamics, Hessian, MpcError, Ocp, ProgramForm, QpSettings, Solution, SolveStatus, Sqp,
-    SqpSettings, SymbolicDynamics, Trajectory,
+    CostFunction, CostKind, FieldDynamics, Hessian, MpcError, Ocp, PlannedTrajectory, ProgramForm, QpSettings,
+    Solution, SolveStatus, Sqp, SqpSettings, SymbolicDynamics,
 };
 use bracketry_system::System;
 
@@ -30,7 +30,7 @@ fn settings(hessian: Hessian) -> SqpSettings {
 fn solve(system: &System, ocp: &Ocp, settings: SqpSettings, x0: &[f64]) -> Solution {
     let dynamics = SymbolicDynamics::new(system).unwrap();
     let mut sqp = Sqp::new(Box::new(dynamics), ocp.clone(), settings).unwrap();
-    let guess = Trajectory::constant(ocp.steps, x0, &vec![0.0; ocp.inputs()]);
+    let guess = PlannedTrajectory::constant(ocp.steps, x0, &vec![0.0; ocp.inputs()]);
     sqp.solve(x0, &guess).unwrap()
 }
 

@@ -4,9 +4,9 @@ use crate::common::double_integrator;
 use approx::assert_relative_eq;
 use bracketry_mpc::{
     Bounds, Brake, ClosedLoop, Controller, CostFunction, CostKind, DelayCompensated, Estimate, EstimateStatus,
-    Estimator, FailurePolicy, FallbackReason, Fault, InputSource, LoopSettings, MpcError, Ocp, OutputFeedback, Rti,
-    RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpController, SqpSettings, StepStatus, SymbolicDynamics, Trajectory,
-    run_closed_loop,
+    Estimator, FailurePolicy, FallbackReason, Fault, InputSource, LoopSettings, MpcError, Ocp, OutputFeedback,
+    PlannedTrajectory, Rti, RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpController, SqpSettings, StepStatus,
+    SymbolicDynamics, run_closed_loop,
 };
 
 const DT: f64 = 0.1;
@@ -28,7 +28,7 @@ fn problem() -> Ocp {
 }
 
 fn rti(ocp: Ocp, settings: RtiSettings) -> Rti {
-    Rti::new(dynamics(), ocp, Trajectory::constant(STEPS, &[0.0; 2], &[0.0]), settings).unwrap()
+    Rti::new(dynamics(), ocp, PlannedTrajectory::constant(STEPS, &[0.0; 2], &[0.0]), settings).unwrap()
 }
 
 /// A run from (1, 0) in which `faults` happen at the samples it names.
@@ -77,7 +77,7 @@ fn every_fault_is_counted_by_its_reason_and_the_plan_takes_over() {
 fn the_converging_controller_survives_the_same_faults() {
     for fault in [Fault::LostSample, Fault::NotANumber { outputs: vec![0] }, Fault::SolverLimit(1)] {
         let sqp = Sqp::new(dynamics(), problem(), SqpSettings::default()).unwrap();
-        let mut controller = SqpController::new(sqp, Trajectory::constant(STEPS, &[0.0; 2], &[0.0]));
+        let mut controller = SqpController::new(sqp, PlannedTrajectory::constant(STEPS, &[0.0; 2], &[0.0]));
         let run = run(&mut controller, 120, three(&fault));
         assert_eq!((run.counts.fallback, run.counts.sources.plan), (3, 3), "{fault:?}");
         assert_home(&run);
@@ -164,7 +164,7 @@ fn a_pole_falls_and_is_caught_again_after_a_hundredfold_blow() {
     );
     ocp.input_bounds = vec![(-80.0, 80.0)];
     let model = || Box::new(SymbolicDynamics::new(&system).unwrap());
-    let start = Trajectory::constant(40, &[0.0; 4], &[0.0]);
+    let start = PlannedTrajectory::constant(40, &[0.0; 4], &[0.0]);
     let mut rti = Rti::new(model(), ocp, start, RtiSettings::default()).unwrap();
     // Ordinary pushes change w by 0.05 rad/s; this one by 5 rad/s, with every fourth sample lost.
     let faults = |k: usize| {
@@ -316,7 +316,7 @@ fn a_change_that_contradicts_the_problem_is_refused_and_changes_nothing() {
 #[test]
 fn settings_out_of_range_are_errors() {
     let refused = |settings: RtiSettings| {
-        Rti::new(dynamics(), problem(), Trajectory::constant(STEPS, &[0.0; 2], &[0.0]), settings).err().unwrap()
+        Rti::new(dynamics(), problem(), PlannedTrajectory::constant(STEPS, &[0.0; 2], &[0.0]), settings).err().unwrap()
     };
     let brake = |b: Brake| RtiSettings {
         policy: FailurePolicy::BrakeToRest { after: 0, brakes: vec![b] },

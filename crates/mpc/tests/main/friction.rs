@@ -1,8 +1,8 @@
 //! Control on dry friction, judged on the exact stick–slip plant alone.
 
 use bracketry_mpc::{
-    ClosedLoop, ControlProblem, CostFunction, CostKind, Fault, LoopSettings, Method, MpcError, Ocp,
-    StickSlipController, StickSlipSettings, Trajectory, run_closed_loop,
+    ClosedLoop, ControlProblem, CostFunction, CostKind, Fault, LoopSettings, Method, MpcError, Ocp, PlannedTrajectory,
+    StickSlipController, StickSlipSettings, run_closed_loop,
 };
 use bracketry_system::System;
 
@@ -27,7 +27,7 @@ fn benchmark(system: &System) -> Ocp {
 }
 
 fn controller(model: &System, ocp: Ocp, x0: &[f64]) -> StickSlipController {
-    let guess = Trajectory::constant(ocp.steps, x0, &vec![0.0; ocp.inputs()]);
+    let guess = PlannedTrajectory::constant(ocp.steps, x0, &vec![0.0; ocp.inputs()]);
     StickSlipController::new(model, ocp, guess, StickSlipSettings::default()).unwrap()
 }
 
@@ -62,7 +62,7 @@ fn the_spring_mass_arrives_at_the_receding_horizon_optimum() {
 #[test]
 fn a_guess_of_the_wrong_length_is_refused() {
     let system = spring_mass(0.2);
-    let guess = Trajectory::constant(7, &[0.0, 0.0], &[0.0]);
+    let guess = PlannedTrajectory::constant(7, &[0.0, 0.0], &[0.0]);
     let refused = StickSlipController::new(&system, benchmark(&system), guess, StickSlipSettings::default());
     assert!(matches!(refused.err(), Some(MpcError::Length { what: "the guess", found: 7, expected: 20 })));
 }
@@ -160,7 +160,8 @@ fn the_modes_of_a_plan_are_those_of_the_plant() {
         let plan = controller.plan_from(x0).unwrap().clone();
         let planned = controller.mode_changes();
         changes += planned.len();
-        let mut plant = bracketry_sim::ExactPlant::new(&system, x0, &bracketry_sim::Settings::default()).unwrap();
+        let mut plant =
+            bracketry_sim::ExactPlant::new(&system, x0, &bracketry_sim::SimulationSettings::default()).unwrap();
         for k in 0..plan.steps() {
             assert!(plant.hold(plan.u(k), 0.15).unwrap().is_finished());
             assert!((plant.state()[0] - plan.x(k + 1)[0]).abs() < 1e-4);
@@ -198,7 +199,7 @@ fn friction_that_is_handed_over_controls_like_friction_that_was_known() {
     "#;
     let (model, truth) = (System::parse("spring_mass.toml", text).unwrap(), spring_mass(0.2));
     let settings = StickSlipSettings { live_parameters: vec!["F".into()], ..StickSlipSettings::default() };
-    let guess = Trajectory::constant(20, &[0.0, 0.0], &[0.0]);
+    let guess = PlannedTrajectory::constant(20, &[0.0, 0.0], &[0.0]);
     let mut told = StickSlipController::new(&model, benchmark(&model), guess, settings).unwrap();
     assert!(told.set_parameters(&[0.2, 0.3]).is_err());
     told.set_parameters(&[0.2]).unwrap();

@@ -1,8 +1,8 @@
 //! The filter method: second-order correction, damping, and the end of the iteration.
 
 use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, Iteration, Ocp, PathConstraint, Softness, Solution, SolveStatus, Sqp, SqpSettings,
-    Substeps, SymbolicDynamics, Trajectory, VectorFunction,
+    Bounds, CostFunction, CostKind, Iteration, Ocp, PathConstraint, PlannedTrajectory, Softness, Solution, SolveStatus,
+    Sqp, SqpSettings, Substeps, SymbolicDynamics, VectorFunction,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;
@@ -30,7 +30,8 @@ fn maratos(second_order_correction: bool) -> Solution {
     let bounds = Bounds { min: 1.0, max: 1.0, softness: Softness::Hard };
     ocp.path_constraints = vec![PathConstraint { name: String::new(), function, bounds, at_end: false }];
     let angle = 0.3_f64;
-    let guess = Trajectory::from_rows(&[vec![0.0], vec![angle.cos()]], &[vec![angle.cos(), angle.sin()]]).unwrap();
+    let guess =
+        PlannedTrajectory::from_rows(&[vec![0.0], vec![angle.cos()]], &[vec![angle.cos(), angle.sin()]]).unwrap();
     // The penalty is exact from the multiplier 1/2 on. What a correction leaves of the violation, of the third order, shall cost less than
     // the step gains.
     let mut settings = SqpSettings { second_order_correction, ..filter_alone() };
@@ -69,7 +70,7 @@ fn steps_are_shortened_where_whole_ones_go_in_circles() {
     let system = System::parse("sigmoid.toml", text).unwrap();
     let mut ocp = Ocp::new(1, 1, 1, 1.0);
     ocp.state_bounds = vec![Bounds { min: 0.0, max: 0.0, softness: Softness::Hard }];
-    let guess = Trajectory::constant(1, &[0.0], &[1.0]);
+    let guess = PlannedTrajectory::constant(1, &[0.0], &[1.0]);
     let s = solver(&system, ocp, filter_alone()).solve(&[0.0], &guess).unwrap();
     assert_eq!(s.status, SolveStatus::Converged);
     assert!(s.trajectory.u(0)[0].abs() < 1e-6, "{:?}", s.trajectory.u(0));
@@ -85,7 +86,7 @@ fn a_solution_close_by_takes_two_programs_and_keeps_the_tolerance() {
     ocp.input_bounds = vec![(-80.0, 80.0)];
     let mut sqp = solver(&system, ocp.clone(), filter_alone());
     let far = [0.0, PI, 0.0, 0.0];
-    let swing_up = sqp.solve(&far, &Trajectory::constant(40, &far, &[0.0])).unwrap();
+    let swing_up = sqp.solve(&far, &PlannedTrajectory::constant(40, &far, &[0.0])).unwrap();
     let near = [1e-3, PI - 1e-3, 0.0, 1e-2];
     let s = sqp.solve(&near, &swing_up.trajectory).unwrap();
     assert_eq!((s.status, s.iterations.len()), (SolveStatus::Converged, 2), "{:?}", s.iterations);
@@ -109,7 +110,7 @@ fn an_economic_cost_without_curvature_converges_from_a_reactor_that_nothing_flow
     ocp.input_bounds = vec![(0.0, 1.0)];
     let at_least = |min: f64| Bounds { min, max: f64::INFINITY, softness: Softness::Hard };
     ocp.state_bounds = vec![at_least(0.5), at_least(0.0)];
-    let guess = Trajectory::constant(30, &[1.0, 1.0], &[0.0]);
+    let guess = PlannedTrajectory::constant(30, &[1.0, 1.0], &[0.0]);
     let s = solver(&system, ocp, SqpSettings::default()).solve(&[1.0, 1.0], &guess).unwrap();
     assert_eq!(s.status, SolveStatus::Converged);
     // IPOPT stops at -13.319 from the same guess.

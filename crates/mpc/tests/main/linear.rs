@@ -3,8 +3,8 @@
 use crate::common::double_integrator;
 use approx::assert_relative_eq;
 use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, FallbackReason, Horizon, MpcError, Ocp, QpStatus, Rti, RtiSettings, Softness,
-    SolveStatus, Sqp, SqpSettings, StepStatus, Substeps, SymbolicDynamics, TerminalTarget, Trajectory,
+    Bounds, CostFunction, CostKind, FallbackReason, Horizon, MpcError, Ocp, PlannedTrajectory, QpStatus, Rti,
+    RtiSettings, Softness, SolveStatus, Sqp, SqpSettings, StepStatus, Substeps, SymbolicDynamics, TerminalTarget,
 };
 use bracketry_system::System;
 use nalgebra::{DMatrix, DVector, Matrix2, RowVector2, Vector2};
@@ -47,7 +47,7 @@ fn the_unconstrained_regulator_is_the_riccati_solution() {
     let x0 = [1.0, -0.5];
     let (system, ocp) = regulator(30);
     let mut sqp = Sqp::new(dynamics(&system), ocp, SqpSettings::default()).unwrap();
-    let s = sqp.solve(&x0, &Trajectory::constant(30, &x0, &[0.0])).unwrap();
+    let s = sqp.solve(&x0, &PlannedTrajectory::constant(30, &x0, &[0.0])).unwrap();
     let (k, p) = riccati(30);
     let x = Vector2::from(x0);
     assert_eq!(s.status, SolveStatus::Converged);
@@ -58,7 +58,7 @@ fn the_unconstrained_regulator_is_the_riccati_solution() {
 #[test]
 fn one_real_time_iteration_is_the_regulator_from_any_measured_state() {
     let (system, ocp) = regulator(30);
-    let start = Trajectory::constant(30, &[0.0; 2], &[0.0]);
+    let start = PlannedTrajectory::constant(30, &[0.0; 2], &[0.0]);
     let mut rti = Rti::new(dynamics(&system), ocp, start, RtiSettings::default()).unwrap();
     let (k, _) = riccati(30);
     for x in [[1.0, -0.5], [-2.0, 3.0], [0.1, 0.0]] {
@@ -77,7 +77,7 @@ fn a_constrained_solution_satisfies_the_optimality_conditions() {
     let (system, mut ocp) = regulator(steps);
     ocp.input_bounds = vec![(-1.0, 1.0)];
     let mut sqp = Sqp::new(dynamics(&system), ocp, SqpSettings::default()).unwrap();
-    let s = sqp.solve(&x0, &Trajectory::constant(steps, &x0, &[0.0])).unwrap();
+    let s = sqp.solve(&x0, &PlannedTrajectory::constant(steps, &x0, &[0.0])).unwrap();
     let (a, b) = discrete();
     // x_k = A^k x0 + Σ A^(k−1−j) B u_j; gradient of the cost with respect to u by the adjoint recursion.
     let u: Vec<f64> = (0..steps).map(|k| s.trajectory.u(k)[0]).collect();
@@ -113,7 +113,7 @@ fn a_soft_target_with_a_strong_linear_weight_is_exact() {
     let target = |state, value| TerminalTarget { state, value, linear: 100.0, quadratic: 10.0 };
     ocp.targets = vec![target(0, 1.0), target(1, 0.0)];
     let mut sqp = Sqp::new(dynamics(&system), ocp, SqpSettings::default()).unwrap();
-    let s = sqp.solve(&[0.0; 2], &Trajectory::constant(20, &[0.0; 2], &[0.0])).unwrap();
+    let s = sqp.solve(&[0.0; 2], &PlannedTrajectory::constant(20, &[0.0; 2], &[0.0])).unwrap();
     assert!(s.miss.iter().all(|e| e.abs() < 1e-7), "{:?}", s.miss);
     // Least-norm inputs: u = G'(GG')⁻¹ target, G the columns A^(N−1−j) B.
     let (a, b) = discrete();
@@ -137,7 +137,7 @@ fn a_hard_bound_that_cannot_be_kept_is_reported_as_infeasible() {
     ocp.state_bounds[0] = Bounds { min: f64::NEG_INFINITY, max: 1.0, softness: Softness::Hard };
     let mut sqp = Sqp::new(dynamics(&system), ocp, SqpSettings::default()).unwrap();
     // From p = 1 with v = 2 and |u| ≤ 1 the position grows by at least 2·1 − 1/2 within the second: p reaches 2.5.
-    let s = sqp.solve(&[1.0, 2.0], &Trajectory::constant(10, &[1.0, 2.0], &[0.0])).unwrap();
+    let s = sqp.solve(&[1.0, 2.0], &PlannedTrajectory::constant(10, &[1.0, 2.0], &[0.0])).unwrap();
     let SolveStatus::Infeasible { violation } = s.status else { panic!("{:?}", s.status) };
     assert_relative_eq!(violation, 1.5, epsilon = 1e-5);
     for k in 0..10 {
@@ -150,7 +150,7 @@ fn a_hard_bound_that_can_be_kept_is_kept() {
     let (system, mut ocp) = regulator(20);
     ocp.state_bounds[1] = Bounds { min: -0.4, max: f64::INFINITY, softness: Softness::Hard };
     let mut sqp = Sqp::new(dynamics(&system), ocp, SqpSettings::default()).unwrap();
-    let s = sqp.solve(&[1.0, 0.0], &Trajectory::constant(20, &[1.0, 0.0], &[0.0])).unwrap();
+    let s = sqp.solve(&[1.0, 0.0], &PlannedTrajectory::constant(20, &[1.0, 0.0], &[0.0])).unwrap();
     assert_eq!(s.status, SolveStatus::Converged);
     let slowest = (0..=20).map(|k| s.trajectory.x(k)[1]).fold(0.0, f64::min);
     assert_relative_eq!(slowest, -0.4, epsilon = 1e-6);
@@ -160,7 +160,7 @@ fn a_hard_bound_that_can_be_kept_is_kept() {
 fn a_measurement_that_is_not_a_number_falls_back_to_the_plan_and_then_to_rest() {
     let (system, mut ocp) = regulator(3);
     ocp.input_bounds = vec![(-5.0, 5.0)];
-    let start = Trajectory::constant(3, &[0.0; 2], &[0.0]);
+    let start = PlannedTrajectory::constant(3, &[0.0; 2], &[0.0]);
     let settings = RtiSettings { rest_input: vec![-0.25], ..RtiSettings::default() };
     let mut rti = Rti::new(dynamics(&system), ocp, start, settings).unwrap();
     rti.feedback(&[1.0, 0.0]).unwrap();
@@ -186,7 +186,7 @@ fn dynamics_that_are_not_a_number_give_a_status() {
     let stage = CostFunction::parse(&system, CostKind::Stage, &[], "p^2 + u^2").unwrap();
     let mut ocp = Ocp::new(1, 1, 5, DT);
     ocp.stage = Some(stage);
-    let guess = Trajectory::constant(5, &[-1.0], &[0.0]);
+    let guess = PlannedTrajectory::constant(5, &[-1.0], &[0.0]);
     let mut sqp = Sqp::new(dynamics(&system), ocp.clone(), SqpSettings::default()).unwrap();
     assert_eq!(sqp.solve(&[-1.0], &guess).unwrap().status, SolveStatus::NotANumber);
     let mut rti = Rti::new(dynamics(&system), ocp, guess, RtiSettings::default()).unwrap();
@@ -200,7 +200,7 @@ fn a_program_without_iterations_falls_back() {
     ocp.input_bounds = vec![(-1.0, 1.0)];
     let mut settings = RtiSettings::default();
     settings.qp.max_iterations = 1;
-    let start = Trajectory::constant(30, &[0.0; 2], &[0.5]);
+    let start = PlannedTrajectory::constant(30, &[0.0; 2], &[0.5]);
     let mut rti = Rti::new(dynamics(&system), ocp, start, settings).unwrap();
     let step = rti.feedback(&[1.0, 0.0]).unwrap();
     assert_eq!(step.status, StepStatus::Fallback(FallbackReason::Qp(QpStatus::Limit)));
@@ -215,7 +215,7 @@ fn a_shrinking_horizon_reaches_its_end_and_rests() {
     let target = |state, value| TerminalTarget { state, value, linear: 100.0, quadratic: 10.0 };
     ocp.targets = vec![target(0, 1.0), target(1, 0.0)];
     let settings = RtiSettings { horizon: Horizon::Shrinking { min_steps: 3 }, ..RtiSettings::default() };
-    let start = Trajectory::constant(12, &[0.0; 2], &[0.0]);
+    let start = PlannedTrajectory::constant(12, &[0.0; 2], &[0.0]);
     let mut rti = Rti::new(dynamics(&system), ocp, start, settings).unwrap();
     let (a, b) = discrete();
     let mut x = Vector2::zeros();

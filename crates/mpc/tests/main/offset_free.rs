@@ -4,7 +4,8 @@ use crate::common::{exact_plant, noise::Noise};
 use bracketry_mpc::{
     ClosedLoop, CostFunction, CostKind, DelayCompensated, Disturbance, DisturbanceChannel, EstimationProblem,
     Estimator, ExtendedKalman, LoopSettings, MeasuredOutput, MovingHorizon, MovingHorizonSettings, Ocp, OffsetFree,
-    OutputFeedback, Plant, PlantError, Rti, RtiSettings, TargetCalculator, TargetStatus, Trajectory, run_closed_loop,
+    OutputFeedback, PlannedTrajectory, Plant, PlantFailure, Rti, RtiSettings, TargetCalculator, TargetStatus,
+    run_closed_loop,
 };
 use bracketry_sim::ExactPlant;
 use bracketry_system::System;
@@ -72,7 +73,7 @@ fn controller(problem: &EstimationProblem) -> Rti {
     ocp.terminal = Some(CostFunction::parse(&problem.system, CostKind::Terminal, &names, "(x - xs)^2 + v^2").unwrap());
     ocp.input_bounds = vec![(-2.0, 2.0)];
     ocp.references = vec![vec![0.0; 3]];
-    let rest = Trajectory::constant(20, &[0.0, 0.0], &[0.0]);
+    let rest = PlannedTrajectory::constant(20, &[0.0, 0.0], &[0.0]);
     let settings = RtiSettings { smoothing: Some(0.003), ..RtiSettings::default() };
     Rti::new(Box::new(problem.controller_dynamics().unwrap()), ocp, rest, settings).unwrap()
 }
@@ -81,7 +82,7 @@ fn controller(problem: &EstimationProblem) -> Rti {
 struct Pushed(ExactPlant, f64);
 
 impl Plant for Pushed {
-    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantFailure> {
         self.0.step(t, x, &[u[0] + self.1], dt)
     }
 }

@@ -2,8 +2,8 @@
 
 use bracketry_mpc::{
     Bounds, Brake, Controller, CostFunction, CostKind, DelayCompensated, FailurePolicy, Fault, LoopSettings, Ocp,
-    Preparation, Rti, RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpController, SqpSettings, Substeps,
-    SymbolicDynamics, TerminalTarget, Trajectory, run_closed_loop,
+    PlannedTrajectory, Preparation, Rti, RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpController, SqpSettings,
+    Substeps, SymbolicDynamics, TerminalTarget, run_closed_loop,
 };
 use bracketry_system::System;
 use proptest::prelude::*;
@@ -89,7 +89,7 @@ fn controller(random: &mut Random, system: &System, ocp: &Ocp) -> Box<dyn Contro
     let (n, m) = (ocp.states(), ocp.inputs());
     let start: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
     // The first plan may break the bounds.
-    let guess = Trajectory::constant(ocp.steps, &start, &vec![random.uniform(-4.0, 4.0); m]);
+    let guess = PlannedTrajectory::constant(ocp.steps, &start, &vec![random.uniform(-4.0, 4.0); m]);
     let dynamics = Box::new(SymbolicDynamics::new(system).unwrap());
     if random.chance(0.2) {
         let settings = SqpSettings { filter_iterations: 3, max_iterations: 4, ..SqpSettings::default() };

@@ -1,7 +1,7 @@
 //! The record of a closed loop is that of this loop: its states at the samples, its modes between them, and its disturbances.
 
 use bracketry_mpc::{ControlProblem, Controlled, control};
-use bracketry_sim::Mode;
+use bracketry_sim::FrictionMode;
 use bracketry_system::{Accepted, System};
 use proptest::prelude::*;
 
@@ -37,10 +37,10 @@ fn assert_of_the_loop(controlled: &Controlled) {
         for interval in recorded.mode_intervals(switch) {
             let middle = recorded.sample(f64::midpoint(interval.from, interval.to))[1];
             let expected = match interval.mode {
-                Mode::Sticking => middle == 0.0,
-                Mode::Positive => middle > 0.0,
-                Mode::Negative => middle < 0.0,
-                Mode::Sliding => unreachable!("no unit vectors"),
+                FrictionMode::Sticking => middle == 0.0,
+                FrictionMode::Positive => middle > 0.0,
+                FrictionMode::Negative => middle < 0.0,
+                FrictionMode::Sliding => unreachable!("no unit vectors"),
             };
             assert!(expected || interval.to - interval.from < 1e-9, "{interval:?}: v = {middle}");
         }
@@ -52,7 +52,7 @@ fn a_block_that_a_disturbance_sets_moving_is_recorded_as_sliding() {
     // |u| ≤ 1/2 never overcomes the friction; the push at the tenth sample gives 2 m/s, which ends after 2/(2 ± 1/2) s.
     let controlled = run(BLOCK, 0.5, "{ at = 10, disturbance = { v = 2 } }");
     let modes = controlled.recording.trajectory.mode_intervals(0);
-    let slides: Vec<_> = modes.iter().filter(|interval| interval.mode == Mode::Positive).collect();
+    let slides: Vec<_> = modes.iter().filter(|interval| interval.mode == FrictionMode::Positive).collect();
     assert_eq!(slides.len(), 1, "{modes:?}");
     assert!((slides[0].from - 1.0).abs() < 1e-9 && (1.8..2.34).contains(&slides[0].to), "{modes:?}");
     assert_of_the_loop(&controlled);

@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use bracketry_mpc::{
-    CostFunction, CostKind, MpcError, Ocp, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, Trajectory, dare,
+    CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, dare,
 };
 use bracketry_system::System;
 use nalgebra::DMatrix;
@@ -69,7 +69,7 @@ fn a_short_horizon_with_the_terminal_cost_is_the_infinite_one() {
         let (ocp, beyond) = ocp.with_terminal_cost_at(&mut dynamics, &[0.0; 2], &[0.0]).unwrap();
         let riccati = beyond.riccati;
         let mut sqp = Sqp::new(Box::new(dynamics), ocp, SqpSettings::default()).unwrap();
-        let s = sqp.solve(&x0, &Trajectory::constant(steps, &x0, &[0.0])).unwrap();
+        let s = sqp.solve(&x0, &PlannedTrajectory::constant(steps, &x0, &[0.0])).unwrap();
         assert_eq!(s.status, SolveStatus::Converged);
         let x = dense([[x0[0]], [x0[1]]]);
         assert_relative_eq!(s.cost, (x.transpose() * &riccati.cost_to_go * &x)[0], max_relative = 1e-8);
@@ -129,7 +129,7 @@ fn a_cost_that_is_least_elsewhere_moves_the_center_and_tilts_the_cost_to_go() {
         assert_relative_eq!(beyond.state[0], 20.0 / 11.0, epsilon = 1e-9);
         assert_relative_eq!(beyond.input[0], 20.0 / 11.0, epsilon = 1e-9);
         let mut sqp = Sqp::new(Box::new(dynamics), ocp, SqpSettings::default()).unwrap();
-        let solution = sqp.solve(&[0.5], &Trajectory::constant(steps, &[0.5], &[0.0])).unwrap();
+        let solution = sqp.solve(&[0.5], &PlannedTrajectory::constant(steps, &[0.5], &[0.0])).unwrap();
         solution.trajectory.u(0)[0]
     };
     // Bellman's principle: the length of the horizon makes no difference, nor does the point of linearization.

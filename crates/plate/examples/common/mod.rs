@@ -6,7 +6,7 @@ use bracketry_plate::{
     ModelObject, Object, PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarize,
 };
 use bracketry_plot::Drawing;
-use bracketry_sim::Settings;
+use bracketry_sim::SimulationSettings;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -20,8 +20,8 @@ pub(crate) fn start(experiment: &Experiment) -> [f64; 6] {
 }
 
 /// Tolerances of the sweeps.
-pub(crate) fn settings() -> Settings {
-    Settings::default().with_tolerance(1e-7, 1e-9)
+pub(crate) fn settings() -> SimulationSettings {
+    SimulationSettings::default().with_tolerance(1e-7, 1e-9)
 }
 
 /// The ellipse of the reference results, 5 mm thick.

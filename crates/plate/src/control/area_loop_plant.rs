@@ -1,6 +1,6 @@
 //! The object with contact over its whole footprint as the plant of a control loop.
 
-use bracketry_mpc::{Plant, PlantError};
+use bracketry_mpc::{Plant, PlantFailure};
 
 use crate::{AreaContact, AreaOutcome, PlateKinematics};
 
@@ -47,7 +47,7 @@ impl AreaLoopPlant {
 }
 
 impl Plant for AreaLoopPlant {
-    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantFailure> {
         let (&[a, b, phi, va, vb, w, displacement, velocity, tilt, tilt_rate], &[acceleration, tilt_acceleration]) =
             (&*x, u)
         else {

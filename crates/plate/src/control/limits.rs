@@ -1,7 +1,7 @@
 //! Bounds of the plate's motion.
 
 use crate::PlateError;
-use bracketry_mpc::Trajectory;
+use bracketry_mpc::PlannedTrajectory;
 use serde::{Deserialize, Serialize};
 
 /// Bounds of the plate's motion, symmetric about zero.
@@ -43,7 +43,7 @@ impl PlateLimits {
         }
     }
     /// Whether all states of a move, `X` and `θ` at the places 6 and 8, keep the bounds.
-    pub(super) fn keep(&self, trajectory: &Trajectory) -> bool {
+    pub(super) fn keep(&self, trajectory: &PlannedTrajectory) -> bool {
         (1..=trajectory.steps()).all(|k| {
             let x = trajectory.x(k);
             x[6].abs() <= self.stroke && x[8].abs() <= self.tilt

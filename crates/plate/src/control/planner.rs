@@ -5,7 +5,7 @@ use super::move_problem::MoveProblem;
 use super::oscillation::Oscillation;
 use super::replay::Replay;
 use crate::{PlateError, PlateKinematics};
-use bracketry_mpc::{Dynamics, QpSettings, Rti, RtiSettings, Sqp, SqpSettings, Trajectory};
+use bracketry_mpc::{Dynamics, PlannedTrajectory, QpSettings, Rti, RtiSettings, Sqp, SqpSettings};
 
 /// Width of rounded friction in m/s at which plans end.
 const WIDTH: f64 = 0.005;
@@ -24,7 +24,7 @@ fn qp_settings() -> QpSettings {
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
     /// States and inputs from sample to sample.
-    pub(super) trajectory: Trajectory,
+    pub(super) trajectory: PlannedTrajectory,
     /// Where it shall end.
     pub(super) target: [f64; 3],
     /// Where the optimizer aims, so that exact friction ends at the target.
@@ -55,7 +55,7 @@ pub(super) fn cost(miss: &[f64; 3]) -> f64 {
 
 /// A solved problem.
 struct Attempt {
-    trajectory: Trajectory,
+    trajectory: PlannedTrajectory,
     miss: [f64; 3],
     programs: usize,
 }
@@ -104,7 +104,7 @@ impl Planner {
         self.aimed(start, target, mu, attempt)
     }
 
-    fn solved(sqp: &mut Sqp, start: &[f64; 10], guess: &Trajectory) -> Result<Attempt, PlateError> {
+    fn solved(sqp: &mut Sqp, start: &[f64; 10], guess: &PlannedTrajectory) -> Result<Attempt, PlateError> {
         let solution = sqp.solve(start, guess)?;
         let finite = solution.trajectory.is_finite();
         let miss = std::array::from_fn(|i| if finite { solution.miss[i] } else { f64::NAN });
@@ -162,7 +162,7 @@ impl Planner {
         start: &[f64; 10],
         aim: [f64; 3],
         mu: f64,
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         programs: usize,
     ) -> Result<Attempt, PlateError> {
         let settings = SqpSettings {
@@ -186,7 +186,7 @@ impl Planner {
         state: &[f64; 10],
         target: [f64; 3],
         mu: f64,
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         time_limit: f64,
     ) -> Result<([f64; 3], Option<Rti>), PlateError> {
         let miss = self.replayed(state, trajectory, mu, target)?;
@@ -216,7 +216,7 @@ impl Planner {
     fn replayed(
         &self,
         start: &[f64; 10],
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         mu: f64,
         target: [f64; 3],
     ) -> Result<[f64; 3], PlateError> {
@@ -246,7 +246,7 @@ impl Planner {
 }
 
 /// The way of a trajectory in another number of intervals: what moves, moves faster or slower.
-fn rescaled(trajectory: &Trajectory, steps: usize, interval: f64) -> Result<Trajectory, PlateError> {
+fn rescaled(trajectory: &PlannedTrajectory, steps: usize, interval: f64) -> Result<PlannedTrajectory, PlateError> {
     let ratio = trajectory.steps() as f64 / steps as f64;
     let interpolated = |k: usize| -> Vec<f64> {
         let place = (k as f64 * ratio).min(trajectory.steps() as f64);
@@ -258,5 +258,5 @@ fn rescaled(trajectory: &Trajectory, steps: usize, interval: f64) -> Result<Traj
     let x: Vec<Vec<f64>> = (0..=steps).map(interpolated).collect();
     let u: Vec<Vec<f64>> =
         x.windows(2).map(|pair| [7, 9].map(|i| (pair[1][i] - pair[0][i]) / interval).to_vec()).collect();
-    Ok(Trajectory::from_rows(&x, &u)?)
+    Ok(PlannedTrajectory::from_rows(&x, &u)?)
 }

@@ -12,7 +12,7 @@ use super::servo_lag::ServoLag;
 use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
 use super::shortest::Search;
 use crate::{Object, PlateError, PlateKinematics};
-use bracketry_mpc::{Rti, StepStatus, Trajectory};
+use bracketry_mpc::{PlannedTrajectory, Rti, StepStatus};
 use std::collections::VecDeque;
 use std::time::Instant;
 
@@ -70,7 +70,7 @@ const HOLD: Phase = Phase::Hold { seen: 0, sum: [0.0; 3] };
 /// the next interval it is solved for the state that the latest measurement gives.
 struct Move {
     /// What is left, from the interval under way on.
-    trajectory: Trajectory,
+    trajectory: PlannedTrajectory,
     /// Whether the first command of the interval has been given.
     half: bool,
     /// The program prepared for the next interval; absent where the plan goes on as it is.
@@ -444,20 +444,20 @@ fn move_problem(object: &Object, settings: &PoseSettings) -> Result<MoveProblem,
 }
 
 /// The command of a trajectory's first interval.
-fn command_of(trajectory: &Trajectory) -> Command {
+fn command_of(trajectory: &PlannedTrajectory) -> Command {
     let u = trajectory.u(0);
     Command { displacement_acceleration: u[0], tilt_acceleration: u[1] }
 }
 
 /// Whether all that is left of a trajectory is rest: intervals by which it was made longer and that no program has used.
-fn is_over(trajectory: &Trajectory) -> bool {
+fn is_over(trajectory: &PlannedTrajectory) -> bool {
     let gentle = |u: &[f64]| u.iter().all(|a| a.abs() < GENTLE);
     let x = trajectory.x(0);
     x[7].abs() < SLOW && x[9].abs() < SLOW && (0..trajectory.steps()).all(|k| gentle(trajectory.u(k)))
 }
 
 /// A trajectory without its first interval, and with intervals of rest at its end.
-fn rest_of(trajectory: &Trajectory, more: usize) -> Result<Trajectory, PlateError> {
+fn rest_of(trajectory: &PlannedTrajectory, more: usize) -> Result<PlannedTrajectory, PlateError> {
     let steps = trajectory.steps();
     let mut x: Vec<Vec<f64>> = (1..=steps).map(|k| trajectory.x(k).to_vec()).collect();
     let mut u: Vec<Vec<f64>> = (1..steps).map(|k| trajectory.u(k).to_vec()).collect();
@@ -465,7 +465,7 @@ fn rest_of(trajectory: &Trajectory, more: usize) -> Result<Trajectory, PlateErro
         x.push(trajectory.x(steps).to_vec());
         u.push(vec![0.0; 2]);
     }
-    Ok(Trajectory::from_rows(&x, &u)?)
+    Ok(PlannedTrajectory::from_rows(&x, &u)?)
 }
 
 impl PlateController for PoseController {

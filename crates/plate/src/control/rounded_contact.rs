@@ -2,7 +2,7 @@
 
 use crate::object::Patch;
 use crate::{GRAVITY, Object, PlateError};
-use bracketry_mpc::{Dynamics, MpcError, Trajectory};
+use bracketry_mpc::{Dynamics, MpcError, PlannedTrajectory};
 
 /// States of [`RoundedContact`]: `x, y, phi, vx, vy, w` of the object in the plate frame, `X, X', θ, θ'` of the plate.
 const CONTROL_STATES: usize = 10;
@@ -117,9 +117,9 @@ impl RoundedContact {
     pub(super) fn rolled_out(
         &mut self,
         start: &[f64; CONTROL_STATES],
-        trajectory: &Trajectory,
+        trajectory: &PlannedTrajectory,
         interval: f64,
-    ) -> Result<Trajectory, MpcError> {
+    ) -> Result<PlannedTrajectory, MpcError> {
         let mut x = *start;
         let mut states = vec![x.to_vec()];
         let mut inputs = Vec::with_capacity(trajectory.steps());
@@ -132,7 +132,7 @@ impl RoundedContact {
             states.push(x.to_vec());
             inputs.push(u.to_vec());
         }
-        Trajectory::from_rows(&states, &inputs)
+        PlannedTrajectory::from_rows(&states, &inputs)
     }
 
     /// One step of the classical Runge–Kutta method.

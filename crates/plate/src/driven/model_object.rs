@@ -2,7 +2,7 @@
 
 use super::interface::{DrivenObject, STATES};
 use crate::{Drive, PlateError};
-use bracketry_sim::{Inputs, Model, Outcome, Settings, Stepper, Trajectory};
+use bracketry_sim::{Inputs, Model, Outcome, SimulationSettings, Stepper, Trajectory};
 use bracketry_system::System;
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct ModelObject {
     system: Arc<System>,
-    settings: Settings,
+    settings: SimulationSettings,
     stepper: Stepper<Model>,
 }
 
@@ -19,7 +19,7 @@ impl ModelObject {
     ///
     /// # Errors
     /// [`PlateError::NoState`] for other states, [`PlateError`] if the model cannot be compiled.
-    pub fn new(system: &System, state: [f64; 6], settings: &Settings) -> Result<Self, PlateError> {
+    pub fn new(system: &System, state: [f64; 6], settings: &SimulationSettings) -> Result<Self, PlateError> {
         for (index, name) in STATES.into_iter().enumerate() {
             if system.state_index(name) != Some(index) {
                 return Err(PlateError::NoState { name });

@@ -4,7 +4,7 @@ use super::held_amplitude::HeldAmplitude;
 use super::protocol::{Experiment, REACHED};
 use crate::driven::crossing;
 use crate::{Course, DrivenObject, ModelObject, PlateError};
-use bracketry_sim::{Outcome, Settings, Trajectory};
+use bracketry_sim::{Outcome, SimulationSettings, Trajectory};
 use bracketry_system::System;
 
 impl Experiment {
@@ -13,7 +13,13 @@ impl Experiment {
     ///
     /// # Errors
     /// [`PlateError`] if the model does not fit.
-    pub fn run(&self, system: &System, x0: &[f64], duration: f64, settings: &Settings) -> Result<Run, PlateError> {
+    pub fn run(
+        &self,
+        system: &System,
+        x0: &[f64],
+        duration: f64,
+        settings: &SimulationSettings,
+    ) -> Result<Run, PlateError> {
         self.run_on(&mut ModelObject::new(system, six(x0)?, settings)?, duration)
     }
 

@@ -5,7 +5,7 @@ use super::protocol::Experiment;
 use super::run::six;
 use crate::driven::crossing;
 use crate::{Course, Drive, DrivenObject, ModelObject, PlateError};
-use bracketry_sim::{Outcome, Settings, Trajectory};
+use bracketry_sim::{Outcome, SimulationSettings, Trajectory};
 use bracketry_system::System;
 
 /// Time after the last stage in which what slides comes to rest, in seconds.
@@ -48,7 +48,7 @@ pub fn two_step(
     experiments: &[Experiment],
     x0: &[f64],
     limit: f64,
-    settings: &Settings,
+    settings: &SimulationSettings,
 ) -> Result<TwoStep, PlateError> {
     two_step_on(&mut ModelObject::new(system, six(x0)?, settings)?, experiments, limit)
 }

@@ -1,6 +1,6 @@
 //! A model in the form of differential equations with exact stick and slip.
 
-use bracketry_sim::{Hold, InputError, Inputs, Mode, Model, Outcome, Samples, Settings, Stepper};
+use bracketry_sim::{FrictionMode, Hold, InputError, Inputs, Model, Outcome, Samples, SimulationSettings, Stepper};
 use bracketry_system::System;
 
 use super::error::PlateRunError;
@@ -16,7 +16,7 @@ pub(super) struct Equations {
     system: System,
     motion: ImposedMotion,
     drive: Drive,
-    settings: Settings,
+    settings: SimulationSettings,
     stepper: Stepper<Model>,
     events: usize,
 }
@@ -24,7 +24,7 @@ pub(super) struct Equations {
 impl Equations {
     pub(super) fn new(setup: &PlateSetup, system: System, motion: ImposedMotion) -> Result<Self, PlateRunError> {
         let drive = setup.experiment.drive(setup.from);
-        let settings = Settings::default();
+        let settings = SimulationSettings::default();
         let model = Model::new(&system, &inputs(&system, &motion, &drive, setup.from)?)?;
         let [x, y, phi] = setup.start;
         let stepper = Stepper::new(model, setup.from, &[x, y, phi, 0.0, 0.0, 0.0], &settings)?;
@@ -111,7 +111,7 @@ impl ObjectModel for Equations {
 
     fn touch(&mut self) -> Touch {
         let modes = self.stepper.modes();
-        let sticking = modes.iter().filter(|m| **m == Mode::Sticking).count();
+        let sticking = modes.iter().filter(|m| **m == FrictionMode::Sticking).count();
         // Coupled friction sticks where all components of the slip vanish; per-axis friction sticks along each axis.
         let stick_fraction = match self.model {
             PlateModel::Published => sticking as f64 / modes.len().max(1) as f64,

@@ -3,7 +3,7 @@
 use bracketry_plate::{
     AreaContact, AreaObject, AreaSettings, Course, DrivenObject, Experiment, Friction, ModelObject, Object, reduced,
 };
-use bracketry_sim::Settings;
+use bracketry_sim::SimulationSettings;
 use bracketry_system::System;
 
 const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -14,7 +14,7 @@ fn apart(system: &System, experiment: &Experiment, duration: u32) -> [f64; 2] {
     let mut plant = AreaObject::new(contact.unwrap()).unwrap();
     plant.set_state(0.0, START).unwrap();
     let truth = experiment.run_on(&mut plant, f64::from(duration)).unwrap().trajectory;
-    let mut model = ModelObject::new(system, START, &Settings::default()).unwrap();
+    let mut model = ModelObject::new(system, START, &SimulationSettings::default()).unwrap();
     model.drive(&experiment.drive(0.0)).unwrap();
     let mut greatest = [0.0_f64; 2];
     for half in 0..2 * duration {

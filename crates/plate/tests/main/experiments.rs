@@ -1,7 +1,7 @@
 //! The published experiments on the published model, against a reference written by hand and the reference figures.
 
 use bracketry_plate::{AmplitudeStep, Experiment, PlateError, Run, Shape, published, two_step};
-use bracketry_sim::{Mode, Settings, Stepper, Switched};
+use bracketry_sim::{FrictionMode, SimulationSettings, Stepper, Switched};
 use bracketry_system::System;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,7 +11,7 @@ const START: [f64; 6] = [0.48, -0.03, 0.0, 0.0, 0.0, 0.0];
 fn run(experiment: &Experiment, mu: f64, duration: f64) -> Run {
     let experiment = experiment.clone().with_amplitude_step(AmplitudeStep::Smooth);
     let system = published(&Shape::REFERENCE_ELLIPSE, mu).unwrap();
-    let run = experiment.run(&system, &START, duration, &Settings::default()).unwrap();
+    let run = experiment.run(&system, &START, duration, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     run
 }
@@ -89,7 +89,7 @@ fn the_model_file_agrees_with_the_equations_written_by_hand() {
     for (number, experiment) in (1u8..).zip(experiments) {
         let file = run(&experiment, 0.3, 4.0);
         let by_hand = ByHand { mu: 0.3, amplitude: 1.0, experiment: number };
-        let mut stepper = Stepper::new(by_hand, 0.0, &START, &Settings::default()).unwrap();
+        let mut stepper = Stepper::new(by_hand, 0.0, &START, &SimulationSettings::default()).unwrap();
         for (period, &(start, amplitude)) in file.amplitudes.iter().enumerate() {
             assert!((stepper.time() - start).abs() < 1e-12);
             stepper.system_mut().amplitude = amplitude;
@@ -121,7 +121,7 @@ fn experiment_1_turns_an_object_that_sticks() {
     // μ g > max|X''|: x never slides, yet the published torque of the sticking force spins the object.
     let run = run(&Experiment::orientation(), 0.5, 15.0);
     assert_eq!(run.trajectory.mode_intervals(0).len(), 1);
-    assert_eq!(run.trajectory.mode(0, 10.0), Some(Mode::Sticking));
+    assert_eq!(run.trajectory.mode(0, 10.0), Some(FrictionMode::Sticking));
     assert!(run.trajectory.final_state()[2].abs() > TAU);
 }
 
@@ -139,7 +139,7 @@ fn the_jump_of_the_plate_at_a_new_amplitude_matters_little() {
         let without = run(&Experiment::translation_x(omega), 0.3, 4.0).reached.unwrap();
         let experiment = Experiment::translation_x(omega).with_amplitude_step(AmplitudeStep::WorldFixed);
         let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
-        let fixed = experiment.run(&system, &START, 4.0, &Settings::default()).unwrap();
+        let fixed = experiment.run(&system, &START, 4.0, &SimulationSettings::default()).unwrap();
         let difference = (fixed.reached.unwrap() - without).abs();
         assert!(difference > 1e-3 && difference < 0.01, "{difference}");
         let (t, before) = (fixed.amplitudes[4].0, fixed.amplitudes[3].1);
@@ -179,7 +179,7 @@ fn the_coriolis_term_of_the_load_gives_the_reference_peak_to_peak() {
     let load = "g*cos(theta) + y*der(theta,2)";
     assert!(text.contains(load));
     let system = System::parse("extended", &text.replace(load, &format!("{load} + 2*vy*der(theta)"))).unwrap();
-    let run = Experiment::translation_y().run(&system, &START, 15.0, &Settings::default()).unwrap();
+    let run = Experiment::translation_y().run(&system, &START, 15.0, &SimulationSettings::default()).unwrap();
     let (low, high) = run.range(14.0);
     assert_eq!((1e4 * (high - low)).round(), 32.0);
 }
@@ -199,7 +199,7 @@ fn at_rest_nothing_creeps_on_a_tilted_plate() {
     let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
     let mut still = Experiment::translation_y();
     (still.tilt, still.law) = ("10*pi/180".into(), None);
-    let run = still.run(&system, &START, 60.0, &Settings::default()).unwrap();
+    let run = still.run(&system, &START, 60.0, &SimulationSettings::default()).unwrap();
     for (a, b) in run.trajectory.final_state().iter().zip(START) {
         assert!((a - b).abs() < 1e-9);
     }
@@ -210,7 +210,7 @@ fn the_two_step_way_reaches_x_and_y_but_keeps_spinning() {
     let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
     let stages =
         [Experiment::orientation().with_reversed_tilt(), Experiment::translation_x(3), Experiment::translation_y()];
-    let result = two_step(&system, &stages, &START, 15.0, &Settings::default()).unwrap();
+    let result = two_step(&system, &stages, &START, 15.0, &SimulationSettings::default()).unwrap();
     assert!(result.outcome.is_finished());
     assert!(result.stages.iter().all(|s| s.met));
     // Where the first stage stops, the orientation is met; but nothing stops the spin.
@@ -261,7 +261,7 @@ fn numbers_without_meaning_are_refused() {
         assert!(matches!(published(&shape, mu), Err(PlateError::BadNumber { .. })));
     }
     let other = System::parse("other", "states = [\"z\"]\ndynamics = { z = \"-z\" }").unwrap();
-    let refused = Experiment::translation_x(3).run(&other, &START, 1.0, &Settings::default());
+    let refused = Experiment::translation_x(3).run(&other, &START, 1.0, &SimulationSettings::default());
     assert_eq!(refused.unwrap_err(), PlateError::NoState { name: "x" });
 }
 
@@ -272,7 +272,7 @@ fn a_stage_that_fails_ends_at_its_limit_whatever_the_clock_shows() {
     for i in 1..30 {
         let limit = 0.1 * f64::from(i);
         let stages = vec![Experiment::translation_y(); 3];
-        let result = two_step(&system, &stages, &START, limit, &Settings::default()).unwrap();
+        let result = two_step(&system, &stages, &START, limit, &SimulationSettings::default()).unwrap();
         assert!(result.outcome.is_finished());
         for stage in &result.stages {
             assert!(!stage.met && (stage.to - stage.from - limit).abs() < 1e-12);

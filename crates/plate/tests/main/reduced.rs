@@ -6,7 +6,7 @@
 
 use bracketry_plate::{Energy, Experiment, Friction, Object, PlateError, Run, Shape, Terms};
 use bracketry_plate::{energy, first_principles, published, reduced};
-use bracketry_sim::{Balance, Settings};
+use bracketry_sim::{Balance, SimulationSettings};
 use bracketry_system::System;
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ fn flat(shape: Shape) -> Object {
 }
 
 fn run(system: &System, experiment: &Experiment, start: &[f64; 6], duration: f64) -> Run {
-    let run = experiment.run(system, start, duration, &Settings::default()).unwrap();
+    let run = experiment.run(system, start, duration, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     run
 }

@@ -3,13 +3,13 @@
 use bracketry_plate::{
     Experiment, Limits, Map, ModelObject, PlateError, Shape, Summary, linspace, published, summarize, sweep,
 };
-use bracketry_sim::Settings;
+use bracketry_sim::SimulationSettings;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn run(mu: f64, frequency: f64) -> Result<Summary, PlateError> {
     let system = published(&Shape::REFERENCE_ELLIPSE, mu)?;
-    let mut plant = ModelObject::new(&system, [0.48, -0.03, 0.0, 0.0, 0.0, 0.0], &Settings::default())?;
+    let mut plant = ModelObject::new(&system, [0.48, -0.03, 0.0, 0.0, 0.0, 0.0], &SimulationSettings::default())?;
     let experiment = Experiment::translation_y().with_frequency(frequency);
     summarize(&experiment, &mut plant, 3.0, Limits::default())
 }
@@ -61,7 +61,7 @@ fn progress_counts_every_run_and_can_cancel_the_rest() {
 #[test]
 fn an_object_that_slides_without_end_is_stopped_at_the_limit() {
     let system = published(&Shape::REFERENCE_ELLIPSE, 0.1).unwrap();
-    let mut plant = ModelObject::new(&system, [0.0; 6], &Settings::default()).unwrap();
+    let mut plant = ModelObject::new(&system, [0.0; 6], &SimulationSettings::default()).unwrap();
     // Steeper than the friction angle: y falls by ½ g (sin θ − μ cos θ) t².
     let slope = Experiment { tilt: "0.3".into(), law: None, start: 0.0, target: -0.2, ..Experiment::translation_y() };
     let summary = summarize(&slope, &mut plant, 10.0, Limits { travel: 0.25 }).unwrap();
@@ -78,7 +78,8 @@ fn the_least_load_tells_that_an_object_far_from_the_axis_would_lift_off() {
     // It rests at y = −0.1 m while θ = a sin ωt tilts: the load g cos θ − 0.1 θ'' is least near a quarter of the period later.
     let least = |a: f64| {
         let system = published(&Shape::REFERENCE_ELLIPSE, 5.0).unwrap();
-        let mut plant = ModelObject::new(&system, [0.0, -0.1, 0.0, 0.0, 0.0, 0.0], &Settings::default()).unwrap();
+        let mut plant =
+            ModelObject::new(&system, [0.0, -0.1, 0.0, 0.0, 0.0, 0.0], &SimulationSettings::default()).unwrap();
         let tilt = format!("-{a}*sin(20*t)");
         let shake = Experiment { tilt, law: None, period: 0.1, ..Experiment::translation_y() };
         summarize(&shake, &mut plant, 0.4, Limits::default()).unwrap().least_load

@@ -3,13 +3,13 @@
 use bracketry_plate::{
     Establishing, Harmonic, MeanVelocity, ModelObject, PeriodicMotion, Shape, mean_velocity, published, velocity_field,
 };
-use bracketry_sim::Settings;
+use bracketry_sim::SimulationSettings;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 fn plant() -> ModelObject {
     let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
-    ModelObject::new(&system, [0.0; 6], &Settings::default()).unwrap()
+    ModelObject::new(&system, [0.0; 6], &SimulationSettings::default()).unwrap()
 }
 
 fn harmonics(list: &[(f64, f64)]) -> Vec<Harmonic> {

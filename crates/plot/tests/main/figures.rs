@@ -3,8 +3,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bracketry_plot::{
-    BarChart, Color, Dash, Drawing, Interval, IntervalChart, Outline, Panel, PlanView, PlotError, Pose, Scene, Series,
-    TileChart, TileGrid, TimeSeries, Trajectory, XyChart,
+    BarChart, Color, Dash, Drawing, Interval, IntervalChart, Outline, Panel, PlanView, PlotError, Pose, RecordedMotion,
+    Scene, Series, TileChart, TileGrid, TimeSeries, XyChart,
 };
 use resvg::tiny_skia::Pixmap;
 
@@ -153,7 +153,7 @@ fn values_that_cannot_be_drawn_are_named() {
 fn mismatched_and_reversed_data_are_refused() {
     let short = one_line(Series::new("v", [0.0, 1.0], [0.0])).draw();
     assert!(matches!(short, Err(PlotError::LengthMismatch { expected: 2, found: 1, .. })));
-    let pose = Trajectory::new("m", [0.0, 1.0], [0.0, 1.0], [0.0, 1.0], [0.0]);
+    let pose = RecordedMotion::new("m", [0.0, 1.0], [0.0, 1.0], [0.0, 1.0], [0.0]);
     let scene = Scene::new("", Outline::Polygon(vec![])).trajectory(pose);
     assert!(matches!(PlanView::new().scene(scene).draw(), Err(PlotError::LengthMismatch { found: 1, .. })));
     let bars = BarChart::new("", ["a", "b"]).series("s", [1.0]).draw();
@@ -198,8 +198,8 @@ fn awkward_data_still_give_a_figure() {
             .stamps(0)
             .scene(
                 Scene::new("", Outline::Polygon(vec![(1.0, 1.0)]))
-                    .trajectory(Trajectory::new("", [1.0], [0.0], [0.0], [1e17]))
-                    .trajectory(Trajectory::new("none", [], [], [], [])),
+                    .trajectory(RecordedMotion::new("", [1.0], [0.0], [0.0], [1e17]))
+                    .trajectory(RecordedMotion::new("none", [], [], [], [])),
             )
             .draw(),
     ];
@@ -242,7 +242,7 @@ fn chattering_modes_stay_small() {
 #[test]
 fn plan_views_keep_circles_round() {
     let circle = Outline::Ellipse { a: 0.1, b: 0.1 };
-    let motion = Trajectory::new("m", [0.0, 1.0], [0.0, 3.0], [0.0, 0.2], [0.0, FRAC_PI_2]);
+    let motion = RecordedMotion::new("m", [0.0, 1.0], [0.0, 3.0], [0.0, 0.2], [0.0, FRAC_PI_2]);
     let drawing = PlanView::new().scene(Scene::new("wide", circle).trajectory(motion)).draw().unwrap();
     // The start outline is the dotted gray line.
     let outline = &polylines(&drawing, "#6E6E6E").into_iter().max_by_key(Vec::len).unwrap();
@@ -256,7 +256,7 @@ fn plan_views_keep_circles_round() {
 
 #[test]
 fn y_points_up_and_positive_turns_are_counterclockwise() {
-    let motion = Trajectory::new("m", [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, FRAC_PI_2]);
+    let motion = RecordedMotion::new("m", [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, FRAC_PI_2]);
     let scene = Scene::new("", Outline::Ellipse { a: 0.2, b: 0.1 }).trajectory(motion);
     let drawing = PlanView::new().stamps(1).scene(scene).draw().unwrap();
     let (x, y) = (attributes(&drawing, "circle", "cx"), attributes(&drawing, "circle", "cy"));

@@ -1,8 +1,8 @@
 //! What tells the parts of a figure apart: legends, marks, roles, and labels that do not lie over each other.
 
 use bracketry_plot::{
-    BarChart, Color, Dash, Drawing, Outline, Panel, PlanView, Pose, Role, Scene, Series, TileChart, TileGrid,
-    TimeSeries, Trajectory, XyChart,
+    BarChart, Color, Dash, Drawing, Outline, Panel, PlanView, Pose, RecordedMotion, Role, Scene, Series, TileChart,
+    TileGrid, TimeSeries, XyChart,
 };
 
 const ROLES: [Role; 5] = [Role::Given, Role::Refitted, Role::Extended, Role::Measured, Role::Promised];
@@ -105,7 +105,7 @@ fn an_end_before_its_time_has_a_cross_and_a_name() {
     // Two strokes in the legend, two on the line.
     assert_eq!(cross(&marked) - cross(&plain), 4);
 
-    let motion = Trajectory::new("", [0.0, 1.0], [0.0, 0.1], [0.0, 0.2], [0.0, 1.0]).end("tips");
+    let motion = RecordedMotion::new("", [0.0, 1.0], [0.0, 0.1], [0.0, 0.2], [0.0, 1.0]).end("tips");
     let scene = Scene::new("", Outline::Ellipse { a: 0.1, b: 0.1 }).target(Pose::new(0.2, 0.2, 0.0));
     let view = PlanView::new().scene(scene.trajectory(motion)).draw().unwrap();
     for name in ["start", "end", "target", "heading", "tips"] {
@@ -155,7 +155,7 @@ fn no_text_lies_over_another() {
         series.into_iter().fold(Panel::new(label).target(0.0), Panel::series)
     };
     let disk = Outline::Ellipse { a: 0.1, b: 0.1 };
-    let motion = |name: &str| Trajectory::new(name, [0.0, 1.0], [0.0, 0.1], [0.0, 0.2], [0.0, 1.0]).end("tips");
+    let motion = |name: &str| RecordedMotion::new(name, [0.0, 1.0], [0.0, 0.1], [0.0, 0.2], [0.0, 1.0]).end("tips");
     let scene = |title: &str| Scene::new(title, disk.clone()).trajectory(motion("model")).trajectory(motion("log"));
     let flat = TimeSeries::new().panel(Panel::new("a [m]").series(Series::new("", [0.0, 1.0], [0.0, 0.0])));
     let drawings = [

@@ -1,7 +1,7 @@
 //! How a model became affine in its inputs.
 
 use bracketry_lie::Family;
-use bracketry_system::{Affinization, AtPoint, Candidate, Method, NewState, Reason, System, counted};
+use bracketry_system::{AffineReason, Affinization, AtPoint, Candidate, Method, NewState, System, counted};
 use serde::Serialize;
 
 /// A new input.
@@ -37,7 +37,7 @@ pub struct AffinizationReport {
     /// The affine model.
     pub model: System,
     /// The reason.
-    pub why: Reason,
+    pub why: AffineReason,
     /// All candidates, accepted ones first; none for a model that is affine as written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<Candidate>,

@@ -3,9 +3,9 @@
 use std::fmt::{self, Write as _};
 
 use bracketry_lie::{
-    Analysis, Answer, Bracket, Dimensions, Direction, Family, Function, InvolutiveClosureReport, LieAlgebra, Mode,
+    Analysis, Answer, Bracket, Dimensions, Direction, Family, Function, InvolutiveClosureReport, LieAlgebra,
     ModeReport, Named, ObservabilityReport, PointReport, Report, RequestedBracket, Subject, SwitchedReport,
-    Undetermined,
+    UncontrollableMode, Undetermined,
 };
 
 use super::affinization::changes;
@@ -266,7 +266,7 @@ pub(crate) fn family(r: &Family) -> String {
     )
 }
 
-fn eigenvalue(m: &Mode) -> String {
+fn eigenvalue(m: &UncontrollableMode) -> String {
     let imaginary = if m.im == 0.0 { String::new() } else { format!("{:+.6}i", m.im) };
     let times = if m.multiplicity > 1 { format!(" ({} times)", m.multiplicity) } else { String::new() };
     let along =

@@ -1,62 +1,62 @@
 //! The text of certificates.
 
-use bracketry_certify::{Certification, CheckError, Conclusion, Conserved, Finding, Proof, Reason};
+use bracketry_certify::{CertificateReason, Certification, CheckError, Conclusion, Conserved, Finding, Proof};
 use bracketry_symbolic::Rational;
 use bracketry_system::readable;
 
 /// A reason as a sentence, with the next step where there is one.
-pub(super) fn reason(why: &Reason) -> String {
+pub(super) fn reason(why: &CertificateReason) -> String {
     match why {
-        Reason::InputDerivative { input } => {
+        CertificateReason::InputDerivative { input } => {
             format!(
                 "the equations use derivatives of the input {input}: make the model affine first (affinize), so that \
                  they become states"
             )
         }
-        Reason::InputDelay { input } => {
+        CertificateReason::InputDelay { input } => {
             format!("the input {input} acts with a delay, which certificates do not support")
         }
-        Reason::NotPolynomial { of } => format!(
+        CertificateReason::NotPolynomial { of } => format!(
             "the derivative of {of} is not a polynomial with rational coefficients and at most 300 terms: replace \
              other functions by Taylor polynomials, and state the approximation"
         ),
-        Reason::IrrationalPoint { name } => {
+        CertificateReason::IrrationalPoint { name } => {
             format!(
                 "{name} is not a rational number at the point: write it as a fraction, or shift the state in the model"
             )
         }
-        Reason::NotEquilibrium { state, derivative } => format!(
+        CertificateReason::NotEquilibrium { state, derivative } => format!(
             "the point is not an equilibrium: {state}' = {} there; find one with trim and pass it to --at as exact \
              numbers",
             readable(*derivative)
         ),
-        Reason::Unstable { eigenvalues } => format!(
+        CertificateReason::Unstable { eigenvalues } => format!(
             "the equilibrium is unstable: the linearization has {eigenvalues} eigenvalue{} with positive real part (exact)",
             if *eigenvalues == 1 { "" } else { "s" }
         ),
-        Reason::Critical => {
+        CertificateReason::Critical => {
             "the linearization has eigenvalues on the imaginary axis, so it has no quadratic Lyapunov function that gives a region"
                 .to_owned()
         }
-        Reason::Excluded { degree } => format!(
+        CertificateReason::Excluded { degree } => format!(
             "no sum of squares of degree up to {degree} has the required form: the linear equations for its \
              coefficients have no solution (exact)"
         ),
-        Reason::NotFound { degree } => {
+        CertificateReason::NotFound { degree } => {
             format!("none found among sums of squares of degree up to {degree} (undecided)")
         }
-        Reason::NotConfirmed => "a numerical solution failed the exact check (undecided)".to_owned(),
-        Reason::TooLarge => {
+        CertificateReason::NotConfirmed => "a numerical solution failed the exact check (undecided)".to_owned(),
+        CertificateReason::TooLarge => {
             "too many monomials for the semidefinite program: use --degree 2 or a model with fewer states".to_owned()
         }
-        Reason::OutOfTime => "time limit reached (undecided): raise --time-limit".to_owned(),
-        Reason::NoPorts { inputs, outputs } => format!(
+        CertificateReason::OutOfTime => "time limit reached (undecided): raise --time-limit".to_owned(),
+        CertificateReason::NoPorts { inputs, outputs } => format!(
             "passivity needs as many outputs as inputs, at least one: the model has {inputs} inputs without feedback and {outputs} outputs"
         ),
-        Reason::NotAffine => {
+        CertificateReason::NotAffine => {
             "the equations are not affine in the inputs: make the model affine first (affinize)".to_owned()
         }
-        Reason::OutputForm => "an output is not a polynomial of the states alone".to_owned(),
+        CertificateReason::OutputForm => "an output is not a polynomial of the states alone".to_owned(),
     }
 }
 

@@ -1,8 +1,8 @@
 //! The reasons, notes and cautions of a diagnosis in words.
 
 use bracketry_diagnose::{
-    Caveat, Closeness, Flag, Mispredicted, NoMotion, Note, OtherHold, Outcome, Reason, Regime, Repetition, Rescaling,
-    ScaledColumn, significant,
+    Caveat, Closeness, Flag, Mispredicted, NoMotion, Note, OtherHold, Outcome, Regime, Repetition, Rescaling,
+    ScaledColumn, VerdictReason, significant,
 };
 use bracketry_sim::Hold;
 
@@ -11,7 +11,7 @@ const NO_FORCE: &str = "no equation has all its states measured over an evenly s
     derivatives above the noise";
 
 /// Why a diagnosis ended with its verdict, in a sentence.
-pub(super) fn reason(reason: &Reason) -> String {
+pub(super) fn reason(reason: &VerdictReason) -> String {
     let caveats = reason.caveats.iter().map(|caveat| match caveat {
         Caveat::OtherHold(other) => format!("; but {}", other_hold(other)),
         Caveat::Mispredicted(run) => format!("; but {}", mispredicted(run)),

@@ -2,8 +2,8 @@
 
 use bracketry_plate::{PlateExperiment, PlateLog, PlateRow, Shape};
 use bracketry_plot::{
-    Animation, Color, Dash, Drawing, Outline, Panel, PlanView, PlotError, Pose, Role, Scene, Series, Snapshot,
-    TimeSeries, Trajectory,
+    Animation, Color, Dash, Drawing, Outline, Panel, PlanView, PlotError, Pose, RecordedMotion, Role, Scene, Series,
+    Snapshot, TimeSeries,
 };
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -121,11 +121,11 @@ fn plan_view(ran: &PlateExperiment) -> PlanView {
     let rows = &ran.run.rows;
     let column = |k: usize| rows.iter().map(|r| r.state[k]).collect::<Vec<_>>();
     let times: Vec<f64> = rows.iter().map(|r| r.t).collect();
-    let path = Trajectory::new(ran.setup.model.name(), times, column(0), column(1), column(2));
+    let path = RecordedMotion::new(ran.setup.model.name(), times, column(0), column(1), column(2));
     let mut scene = Scene::new("", outline(&ran.setup.object.shape)).trajectory(path).target(target(ran));
     if let Some(log) = &ran.log {
         // Not in the ink of start and target, which lie over it.
-        scene = scene.trajectory(Trajectory::new("log", &*log.t, &*log.x, &*log.y, &*log.phi).color(Color::ORANGE));
+        scene = scene.trajectory(RecordedMotion::new("log", &*log.t, &*log.x, &*log.y, &*log.phi).color(Color::ORANGE));
     }
     PlanView::new()
         .labels("x on the plate [m]", "y on the plate [m]")

@@ -1,7 +1,7 @@
 //! Friction modes as shaded bands, alike in all figures.
 
 use bracketry_plot::{Color, Interval, Panel, TimeSeries};
-use bracketry_sim::{Mode, Trajectory};
+use bracketry_sim::{FrictionMode, Trajectory};
 
 /// Shades the modes of the switching function `switch`, if there is one of that name.
 pub fn friction_bands(mut panel: Panel, trajectory: &Trajectory, switches: &[String], switch: &str) -> Panel {
@@ -12,17 +12,17 @@ pub fn friction_bands(mut panel: Panel, trajectory: &Trajectory, switches: &[Str
     panel
 }
 
-fn category(mode: Mode) -> &'static str {
+fn category(mode: FrictionMode) -> &'static str {
     match mode {
-        Mode::Positive => "slides +",
-        Mode::Negative => "slides −",
-        Mode::Sliding => "slides",
-        Mode::Sticking => "sticks",
+        FrictionMode::Positive => "slides +",
+        FrictionMode::Negative => "slides −",
+        FrictionMode::Sliding => "slides",
+        FrictionMode::Sticking => "sticks",
     }
 }
 
 /// The same color for the same mode in every figure.
 pub fn friction_colors(figure: TimeSeries) -> TimeSeries {
-    let modes = [Mode::Positive, Mode::Negative, Mode::Sticking, Mode::Sliding];
+    let modes = [FrictionMode::Positive, FrictionMode::Negative, FrictionMode::Sticking, FrictionMode::Sliding];
     modes.into_iter().enumerate().fold(figure, |f, (k, m)| f.category_color(category(m), Color::band(k)))
 }

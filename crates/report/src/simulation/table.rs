@@ -1,7 +1,7 @@
 //! Tables of a simulation: rows over time, and changes of mode.
 
 use super::columns::{input_columns, output_columns};
-use bracketry_sim::{Mode, Scenario, ScenarioRun};
+use bracketry_sim::{FrictionMode, Scenario, ScenarioRun};
 use bracketry_system::System;
 use serde::Serialize;
 
@@ -31,12 +31,12 @@ pub fn events(run: &ScenarioRun) -> Vec<Event> {
 }
 
 /// A mode in a word.
-fn mode_name(mode: Mode) -> &'static str {
+fn mode_name(mode: FrictionMode) -> &'static str {
     match mode {
-        Mode::Positive => "+1",
-        Mode::Negative => "-1",
-        Mode::Sliding => "slide",
-        Mode::Sticking => "stick",
+        FrictionMode::Positive => "+1",
+        FrictionMode::Negative => "-1",
+        FrictionMode::Sliding => "slide",
+        FrictionMode::Sticking => "stick",
     }
 }
 

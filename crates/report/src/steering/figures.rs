@@ -1,6 +1,6 @@
 //! Figures of a motion: states and inputs over time, and the path seen from above.
 
-use bracketry_plot::{Drawing, Outline, Panel, PlanView, PlotError, Pose, Scene, Series, TimeSeries, Trajectory};
+use bracketry_plot::{Drawing, Outline, Panel, PlanView, PlotError, Pose, RecordedMotion, Scene, Series, TimeSeries};
 use bracketry_sim::Hold;
 use bracketry_steer::Steering;
 use bracketry_symbolic::{Func, Node};
@@ -54,7 +54,7 @@ pub fn steering_path(s: &Steering) -> Option<Result<Drawing, PlotError>> {
     let size = extent(&xs).max(extent(&ys)).max(1e-9);
     let (length, width) = (0.045 * size, if angle.is_some() { 0.022 * size } else { 0.045 * size });
     let headings: Vec<f64> = rows.iter().map(|r| heading(r)).collect();
-    let motion = Trajectory::new("motion", times, xs, ys, headings);
+    let motion = RecordedMotion::new("motion", times, xs, ys, headings);
     let scene = Scene::new(s.system.name.clone(), Outline::Ellipse { a: length, b: width })
         .trajectory(motion)
         .target(Pose::new(s.to[x], s.to[y], heading(&s.to)));

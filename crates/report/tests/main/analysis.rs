@@ -4,7 +4,7 @@
 #[allow(dead_code)]
 mod common;
 
-use bracketry_lie::{Answer, Options, PointReport, Report, Subject, Verdict, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Answer, PointReport, Report, Subject, Verdict, analyze_affine};
 use bracketry_report::analysis::report_text;
 use common::{ellipse, ratio, system};
 use serde_json::{Value, json};
@@ -27,7 +27,7 @@ fn masses(point: &[(&str, &str)]) -> Report {
         &["x1"],
         Some(point),
     );
-    analyze_affine(&model, &Options::default()).unwrap()
+    analyze_affine(&model, &AnalysisOptions::default()).unwrap()
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn global_statements_of_a_switched_model_are_labeled() {
         assert!(text.contains(&format!("\nsmoothed model: {line}")), "{line} in {text}");
     }
     let smooth =
-        analyze_affine(&system(&["x", "v"], &["u"], &[], &["v", "u"], &[], None), &Options::default()).unwrap();
+        analyze_affine(&system(&["x", "v"], &["u"], &[], &["v", "u"], &[], None), &AnalysisOptions::default()).unwrap();
     assert_eq!(json_of(&smooth).get("global_statements_of"), None);
     assert!(!report_text(&smooth).contains("smoothed"));
 }
@@ -98,7 +98,8 @@ fn what_cannot_be_evaluated_leaves_everything_undecided() {
     // The denominator is zero everywhere.
     let rhs = ["u/(sin(x)^2 + cos(x)^2 - 1)", "1/(sin(x)^2 + cos(x)^2 - 1)"];
     let r =
-        analyze_affine(&system(&["x", "y"], &["u"], &[], &rhs, &[], Some(&[("x", "1")])), &Options::default()).unwrap();
+        analyze_affine(&system(&["x", "y"], &["u"], &[], &rhs, &[], Some(&[("x", "1")])), &AnalysisOptions::default())
+            .unwrap();
     assert_eq!(r.modes[0].dimensions.accessible_dimension.known(), None);
     assert!(!r.decided());
     let text = report_text(&r);
@@ -109,7 +110,8 @@ fn what_cannot_be_evaluated_leaves_everything_undecided() {
 
 #[test]
 fn one_other_mode_is_singular() {
-    let one = analyze_affine(&system(&["v"], &["u"], &[], &["u - sign(v)"], &[], None), &Options::default()).unwrap();
+    let one =
+        analyze_affine(&system(&["v"], &["u"], &[], &["u - sign(v)"], &[], None), &AnalysisOptions::default()).unwrap();
     let text = report_text(&one);
     assert!(text.contains("the same in 1 other mode\n"), "{text}");
     assert!(!text.contains("whether each occurs"), "{text}");
@@ -117,7 +119,7 @@ fn one_other_mode_is_singular() {
 
 #[test]
 fn combinations_of_signs_are_not_claimed_to_occur() {
-    let text = report_text(&analyze_affine(&ellipse(None), &Options::default()).unwrap());
+    let text = report_text(&analyze_affine(&ellipse(None), &AnalysisOptions::default()).unwrap());
     assert!(text.starts_with("modes are combinations of signs; whether each occurs is not checked\n"), "{text}");
     assert!(text.contains("the same in 3 other modes\n"), "{text}");
 }
@@ -126,7 +128,7 @@ fn combinations_of_signs_are_not_claimed_to_occur() {
 #[test]
 fn all_dimensions_have_to_be_decided_for_all_to_count() {
     let divided = "u/(sin(x)^2 + cos(x)^2 - sign(x))";
-    let r = analyze_affine(&system(&["x"], &["u"], &[], &[divided], &[], None), &Options::default()).unwrap();
+    let r = analyze_affine(&system(&["x"], &["u"], &[], &[divided], &[], None), &AnalysisOptions::default()).unwrap();
     let known: Vec<bool> = r.modes.iter().map(|m| m.dimensions.accessible_dimension.known().is_some()).collect();
     assert!(known.contains(&true) && known.contains(&false), "{}", report_text(&r));
     assert!(r.decided() && !r.dimensions_decided() && !r.point_decided());
@@ -135,7 +137,7 @@ fn all_dimensions_have_to_be_decided_for_all_to_count() {
 #[test]
 fn the_text_names_symmetries_and_remedies() {
     let s = system(&["x", "v"], &[], &[("k", ratio(3, 2)), ("m", ratio(5, 3))], &["v", "-k/m*x"], &["x"], None);
-    let text = report_text(&analyze_affine(&s, &Options::default()).unwrap());
+    let text = report_text(&analyze_affine(&s, &AnalysisOptions::default()).unwrap());
     for line in [
         "  parameter k: not identifiable\n",
         "  while parameters are unknown, no output changes along k ∂k + m ∂m (scaling of k by s and m by s)\n",
@@ -155,8 +157,8 @@ fn the_text_names_the_brackets_that_span_and_what_only_switching_reaches() {
         &[],
         None,
     );
-    let text = report_text(&analyze_affine(&car, &Options::default()).unwrap());
+    let text = report_text(&analyze_affine(&car, &AnalysisOptions::default()).unwrap());
     assert!(text.contains("spanned by           g1, g2, [g1,g2], [g1,[g1,g2]]"), "{text}");
-    let text = report_text(&analyze_affine(&ellipse(None), &Options::default()).unwrap());
+    let text = report_text(&analyze_affine(&ellipse(None), &AnalysisOptions::default()).unwrap());
     assert!(text.contains("only by switching      vx + Xd: by f(3)-f(1)\n"), "{text}");
 }

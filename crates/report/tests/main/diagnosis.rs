@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use bracketry_diagnose::{
-    Candidate, Cause, Closeness, Effort, Evidence, Excess, Formula, Gain, NamedCause, Note, Outcome, Place, Reason,
-    RefittedParameter, Regime, Report, Rival, Value, Verdict,
+    Candidate, Cause, Closeness, Effort, Evidence, Excess, Formula, Gain, NamedCause, Note, Outcome, Place,
+    RefittedParameter, Regime, Report, Rival, Value, Verdict, VerdictReason,
 };
 use bracketry_report::{DiagnosisJson, diagnosis_text};
 use bracketry_symbolic::Pool;
@@ -22,7 +22,7 @@ fn report() -> Report {
     Report {
         model: "slider".into(),
         verdict: Verdict::CauseFound,
-        reason: Reason { outcome: Outcome::Explained, caveats: Vec::new() },
+        reason: VerdictReason { outcome: Outcome::Explained, caveats: Vec::new() },
         causes: vec![NamedCause {
             name: Cause::ViscousFriction,
             equation: "v".into(),

@@ -1,8 +1,8 @@
 //! The guard against chattering.
 
-use crate::friction::{Mode, ZeroSet};
+use crate::friction::{FrictionMode, ZeroSet};
 use crate::outcome::StopReason;
-use crate::settings::Settings;
+use crate::settings::SimulationSettings;
 use std::collections::VecDeque;
 
 /// What has happened lately.
@@ -13,7 +13,7 @@ pub(crate) struct Guard {
     /// Events since the last step.
     stalled: usize,
     /// Modes that could not be kept for any time at the present instant.
-    pub(crate) failed: Vec<Vec<Mode>>,
+    pub(crate) failed: Vec<Vec<FrictionMode>>,
 }
 
 impl Guard {
@@ -34,7 +34,7 @@ impl Guard {
         t: f64,
         switches: usize,
         zero: &ZeroSet,
-        settings: &Settings,
+        settings: &SimulationSettings,
     ) -> Result<(), StopReason> {
         self.stalled += 1;
         if self.stalled > 8 + 9 * switches {

@@ -5,7 +5,7 @@
 //! own, corrected by Newton's rule.
 
 use super::search::{minimum, root};
-use crate::friction::{Field, Mode, NEGLIGIBLE, SIMULTANEOUS, norm};
+use crate::friction::{Field, FrictionMode, NEGLIGIBLE, SIMULTANEOUS, norm};
 use crate::integrate::Step;
 
 /// Where in a step the gaps are sampled.
@@ -68,7 +68,7 @@ impl Locator {
     /// Samples the gaps over the attempted step of length `h` and finds the first event. `atol` is the absolute tolerance of the
     /// states.
     pub(crate) fn scan(&mut self, field: &mut Field<'_>, step: &Step, h: f64, atol: f64) -> Scan {
-        if field.modes.iter().all(|&mode| mode == Mode::Sliding) {
+        if field.modes.iter().all(|&mode| mode == FrictionMode::Sliding) {
             return Scan::Clear;
         }
         Search { locator: self, field, step, h }.first_event(atol)
@@ -86,7 +86,7 @@ impl Locator {
 /// sticking one by the `secant`.
 pub(crate) fn gap_at_end(field: &mut Field<'_>, step: &Step, h: f64, switch: usize, secant: f64) -> (f64, f64) {
     match field.modes[switch] {
-        Mode::Sticking | Mode::Sliding => (field.reserve(switch, &step.signs[6]), secant),
+        FrictionMode::Sticking | FrictionMode::Sliding => (field.reserve(switch, &step.signs[6]), secant),
         sliding => {
             let t = step.t + h;
             field.surfaces.evaluate(&mut field.system, t, &step.end);
@@ -114,7 +114,7 @@ impl Search<'_, '_> {
         let mut first: Option<(f64, usize)> = None;
         for i in 0..self.field.modes.len() {
             let g: [f64; 5] = std::array::from_fn(|a| self.locator.samples[a][i]);
-            let sticking = self.field.modes[i] == Mode::Sticking;
+            let sticking = self.field.modes[i] == FrictionMode::Sticking;
             if sticking && calm {
                 continue;
             }
@@ -169,7 +169,7 @@ impl Search<'_, '_> {
     /// Evaluates the gaps at fraction `theta` of the step.
     fn evaluate(&mut self, theta: f64) {
         let t = self.surfaces_at(theta);
-        let sticks = self.field.modes.contains(&Mode::Sticking);
+        let sticks = self.field.modes.contains(&FrictionMode::Sticking);
         if sticks && self.step.implicit {
             self.field.set_directions(&self.step.interpolate_directions(theta));
         }
@@ -208,10 +208,10 @@ impl Search<'_, '_> {
         let field = &*self.field;
         for (i, (gap, mode)) in self.locator.gaps.iter_mut().zip(&field.modes).enumerate() {
             *gap = match mode {
-                Mode::Sticking if solved => field.reserve(i, &field.s),
-                Mode::Sticking => -1.0,
+                FrictionMode::Sticking if solved => field.reserve(i, &field.s),
+                FrictionMode::Sticking => -1.0,
                 // Its σ reaches zero without a change of sign.
-                Mode::Sliding => 1.0,
+                FrictionMode::Sliding => 1.0,
                 sliding => sliding.sign() * field.surfaces.sigma[field.surfaces.parts[i].start],
             };
         }
@@ -229,7 +229,7 @@ impl Search<'_, '_> {
             });
             largest + CALM * range.map(|r| r * r).sum::<f64>().sqrt() < 1.0
         };
-        !self.step.implicit && self.field.in_mode(Mode::Sticking).all(calm)
+        !self.step.implicit && self.field.in_mode(FrictionMode::Sticking).all(calm)
     }
 
     /// Whether the samples of a gap disagree with the cubic through its ends so much that a zero may hide.
@@ -285,7 +285,7 @@ impl Search<'_, '_> {
             return None;
         }
         // Toward the interior of the step.
-        let rate = match (self.field.modes[i] == Mode::Sticking, a) {
+        let rate = match (self.field.modes[i] == FrictionMode::Sticking, a) {
             (true, 0) => (self.gap(i, 1e-3) - g[0]) / 1e-3,
             (true, _) => (self.gap(i, 1.0 - 1e-3) - g[4]) / 1e-3,
             (false, 0) => self.locator.rates[0][i],

@@ -4,7 +4,7 @@
 
 use super::dependence::Span;
 use super::forces::{At, Forces};
-use super::modes::Mode;
+use super::modes::FrictionMode;
 use super::surfaces::{Surfaces, divide, norm};
 use crate::Switched;
 use bracketry_numerics::eigen::pseudo_inverse;
@@ -17,7 +17,7 @@ const STICKING_EXCESS: f64 = 1e-11;
 #[derive(Debug, Clone)]
 pub(crate) struct Filippov<S: ?Sized> {
     pub(crate) surfaces: Surfaces,
-    pub(crate) modes: Vec<Mode>,
+    pub(crate) modes: Vec<FrictionMode>,
     /// Switches that have just left zero: their sign is known although `σ` is still rounding.
     pub(crate) departing: Vec<bool>,
     /// The signs and directions, `k`: ±1 or a unit vector where sliding, the solution where sticking.
@@ -43,7 +43,7 @@ impl<S: Switched> Filippov<S> {
         let (n, k, switches) = (system.dim(), surfaces.sigma.len(), system.switches());
         let ratios: Vec<f64> = (0..switches).map(|i| system.static_ratio(i).max(1.0)).collect();
         Self {
-            modes: vec![Mode::Sticking; switches],
+            modes: vec![FrictionMode::Sticking; switches],
             departing: vec![false; switches],
             s: vec![1.0; k],
             aimed: Vec::new(),
@@ -63,16 +63,16 @@ impl<S: Switched> Filippov<S> {
 
 impl Field<'_> {
     /// The switches in a mode.
-    pub(crate) fn in_mode(&self, mode: Mode) -> impl Iterator<Item = usize> {
+    pub(crate) fn in_mode(&self, mode: FrictionMode) -> impl Iterator<Item = usize> {
         self.modes.iter().enumerate().filter(move |(_, m)| **m == mode).map(|(i, _)| i)
     }
 
     /// The mode of a switch by its σ (the last evaluated), which vanishes or not.
-    pub(crate) fn mode_of(&self, switch: usize, vanishes: bool) -> Mode {
+    pub(crate) fn mode_of(&self, switch: usize, vanishes: bool) -> FrictionMode {
         match self.surfaces.parts[switch].start {
-            _ if vanishes => Mode::Sticking,
-            _ if self.surfaces.is_vector(switch) => Mode::Sliding,
-            first => Mode::of_sign(self.surfaces.sigma[first]),
+            _ if vanishes => FrictionMode::Sticking,
+            _ if self.surfaces.is_vector(switch) => FrictionMode::Sliding,
+            first => FrictionMode::of_sign(self.surfaces.sigma[first]),
         }
     }
 
@@ -88,13 +88,13 @@ impl Field<'_> {
     /// Makes the signs those of the modes.
     pub(crate) fn apply_modes(&mut self) {
         let (parts, modes) = (&self.surfaces.parts, &self.modes);
-        let sticking = parts.iter().zip(modes).filter(|(_, mode)| **mode == Mode::Sticking);
+        let sticking = parts.iter().zip(modes).filter(|(_, mode)| **mode == FrictionMode::Sticking);
         self.forces.hold(sticking.flat_map(|(part, _)| part.clone()));
         self.aimed.clear();
         for (i, mode) in self.modes.iter().enumerate() {
             let part = parts[i].clone();
             match mode {
-                Mode::Sticking => {
+                FrictionMode::Sticking => {
                     let excess = (norm(&self.s[part.clone()]) / self.ratios[i]).max(1.0);
                     divide(&mut self.s[part], excess);
                 }
@@ -115,18 +115,18 @@ impl Field<'_> {
     }
 
     /// The sliding mode that a switch takes when it breaks loose with its present sign or direction.
-    pub(crate) fn sliding_mode(&self, switch: usize) -> Mode {
+    pub(crate) fn sliding_mode(&self, switch: usize) -> FrictionMode {
         if self.surfaces.is_vector(switch) {
-            Mode::Sliding
+            FrictionMode::Sliding
         } else {
-            Mode::of_sign(self.s[self.surfaces.parts[switch].start])
+            FrictionMode::of_sign(self.s[self.surfaces.parts[switch].start])
         }
     }
 
     /// Keeps the directions of the unit vectors that have just left zero.
     pub(crate) fn hold_departing(&mut self) {
         for (i, held) in self.held.iter_mut().enumerate() {
-            *held = self.departing[i] && self.modes[i] == Mode::Sliding;
+            *held = self.departing[i] && self.modes[i] == FrictionMode::Sliding;
         }
     }
 
@@ -140,7 +140,7 @@ impl Field<'_> {
             surfaces.size(i) <= surfaces.arrival_size(i, x, atol)
                 || surfaces.may_follow(i, x, atol) && span.contains_switch(surfaces, i)
         };
-        self.in_mode(Mode::Sliding).filter(|&i| arrives(i)).collect()
+        self.in_mode(FrictionMode::Sliding).filter(|&i| arrives(i)).collect()
     }
 
     /// Keeps the directions of some unit vectors, which otherwise follow σ.
@@ -248,7 +248,7 @@ impl Field<'_> {
 
     /// [`Filippov::influence`] of the unit vectors that slide, for the signs and directions `s`.
     pub(crate) fn influence_of_directions(&mut self, point: (f64, &[f64]), s: &[f64]) -> Option<DMatrix<f64>> {
-        let sliding: Vec<usize> = self.in_mode(Mode::Sliding).collect();
+        let sliding: Vec<usize> = self.in_mode(FrictionMode::Sliding).collect();
         let components: Vec<usize> = sliding.iter().flat_map(|&i| self.surfaces.parts[i].clone()).collect();
         self.s.copy_from_slice(s);
         self.hold_directions(sliding);

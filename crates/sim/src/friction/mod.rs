@@ -12,7 +12,7 @@ mod sharing;
 mod surfaces;
 mod zero_set;
 
-pub use modes::{Mode, ModeChange, ModeInterval};
+pub use modes::{FrictionMode, ModeChange, ModeInterval};
 
 pub(crate) use elimination::eliminate;
 pub(crate) use filippov::{Field, Filippov};

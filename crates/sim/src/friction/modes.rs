@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// What one switch does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Mode {
+pub enum FrictionMode {
     /// `σ > 0`, `s = +1`.
     Positive,
     /// `σ < 0`, `s = −1`.
@@ -19,33 +19,33 @@ pub enum Mode {
     Sticking,
 }
 
-impl Mode {
+impl FrictionMode {
     /// `+1`, `−1`, and 0 for sticking and for unit vectors.
     pub fn sign(self) -> f64 {
         match self {
-            Mode::Positive => 1.0,
-            Mode::Negative => -1.0,
-            Mode::Sliding | Mode::Sticking => 0.0,
+            FrictionMode::Positive => 1.0,
+            FrictionMode::Negative => -1.0,
+            FrictionMode::Sliding | FrictionMode::Sticking => 0.0,
         }
     }
 
     /// The mode of a switching function of this sign that slides.
     ///
     /// ```
-    /// use bracketry_sim::Mode;
-    /// assert_eq!(Mode::of_sign(-0.3), Mode::Negative);
-    /// assert_eq!(Mode::of_sign(-0.3).opposite().sign(), 1.0);
+    /// use bracketry_sim::FrictionMode;
+    /// assert_eq!(FrictionMode::of_sign(-0.3), FrictionMode::Negative);
+    /// assert_eq!(FrictionMode::of_sign(-0.3).opposite().sign(), 1.0);
     /// ```
     pub fn of_sign(sign: f64) -> Self {
-        if sign < 0.0 { Mode::Negative } else { Mode::Positive }
+        if sign < 0.0 { FrictionMode::Negative } else { FrictionMode::Positive }
     }
 
     /// The mode of the other side of `σ = 0`; what sticks and what is a unit vector stays.
     #[must_use]
     pub fn opposite(self) -> Self {
         match self {
-            Mode::Positive => Mode::Negative,
-            Mode::Negative => Mode::Positive,
+            FrictionMode::Positive => FrictionMode::Negative,
+            FrictionMode::Negative => FrictionMode::Positive,
             other => other,
         }
     }
@@ -59,9 +59,9 @@ pub struct ModeChange {
     /// Index of the switch, in the order of the system.
     pub switch: usize,
     /// Mode before.
-    pub from: Mode,
+    pub from: FrictionMode,
     /// Mode after.
-    pub to: Mode,
+    pub to: FrictionMode,
 }
 
 /// A time interval during which a switch keeps its mode.
@@ -72,5 +72,5 @@ pub struct ModeInterval {
     /// End in seconds.
     pub to: f64,
     /// The mode.
-    pub mode: Mode,
+    pub mode: FrictionMode,
 }

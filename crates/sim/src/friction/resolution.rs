@@ -3,7 +3,7 @@
 use super::departure::depart;
 use super::dependence::Span;
 use super::filippov::Field;
-use super::modes::Mode;
+use super::modes::FrictionMode;
 use super::zero_set::ZeroSet;
 use crate::outcome::StopReason;
 
@@ -17,7 +17,7 @@ pub(crate) fn resolve(
     field: &mut Field<'_>,
     point: (f64, &[f64]),
     zero: &ZeroSet,
-    failed: &[Vec<Mode>],
+    failed: &[Vec<FrictionMode>],
     limit: usize,
 ) -> Result<(), StopReason> {
     let z = zero.entries.len();
@@ -45,12 +45,12 @@ pub(crate) fn resolve(
             let mut allowed = true;
             for entry in &zero.entries {
                 let mode = match remaining % 3 {
-                    0 => Mode::Sticking,
+                    0 => FrictionMode::Sticking,
                     1 => entry.preferred,
                     _ => entry.preferred.opposite(),
                 };
                 allowed &= remaining % 3 != 2 || mode != entry.preferred;
-                if mode == Mode::Sticking {
+                if mode == FrictionMode::Sticking {
                     allowed &= field.system.sticks(entry.switch) && (restick || !entry.loose);
                 }
                 field.modes[entry.switch] = mode;
@@ -94,10 +94,10 @@ impl Dependence {
         let surfaces = &field.surfaces;
         self.span.clear();
         let switches = || zero.entries.iter().map(|entry| entry.switch);
-        for i in switches().filter(|&i| field.modes[i] == Mode::Sticking) {
+        for i in switches().filter(|&i| field.modes[i] == FrictionMode::Sticking) {
             surfaces.parts[i].clone().for_each(|c| _ = self.span.add(surfaces, c));
         }
-        let mut sliding = switches().filter(|&i| field.modes[i] != Mode::Sticking && field.system.sticks(i));
+        let mut sliding = switches().filter(|&i| field.modes[i] != FrictionMode::Sticking && field.system.sticks(i));
         !sliding.any(|i| self.span.contains_switch(surfaces, i))
     }
 }
@@ -114,7 +114,7 @@ fn active_set(
     let z = zero.entries.len();
     for entry in &zero.entries {
         let slides = entry.loose || !field.system.sticks(entry.switch);
-        field.modes[entry.switch] = if slides { entry.preferred } else { Mode::Sticking };
+        field.modes[entry.switch] = if slides { entry.preferred } else { FrictionMode::Sticking };
     }
     for _ in 0..=2 * z {
         if is_consistent(field, point, zero, false, dx) && dependence.permits(field, point, zero) {
@@ -124,11 +124,11 @@ fn active_set(
         for i in zero.entries.iter().map(|entry| entry.switch) {
             let rate = |c: usize| field.surfaces.rate(c, dx);
             let next = match field.modes[i] {
-                Mode::Sticking if field.is_overloaded(i) => field.sliding_mode(i),
-                Mode::Sliding if field.radial_rate(i, dx) < 0.0 => Mode::Sticking,
+                FrictionMode::Sticking if field.is_overloaded(i) => field.sliding_mode(i),
+                FrictionMode::Sliding if field.radial_rate(i, dx) < 0.0 => FrictionMode::Sticking,
                 sliding if sliding.sign() * rate(field.surfaces.parts[i].start) < 0.0 => {
                     if field.system.sticks(i) {
-                        Mode::Sticking
+                        FrictionMode::Sticking
                     } else {
                         sliding.opposite()
                     }
@@ -151,7 +151,7 @@ fn active_set(
 fn is_consistent(field: &mut Field<'_>, (t, x): (f64, &[f64]), zero: &ZeroSet, strict: bool, dx: &mut [f64]) -> bool {
     field.apply_modes();
     let switches = zero.entries.iter().map(|entry| entry.switch);
-    let leaving: Vec<usize> = switches.clone().filter(|&i| field.modes[i] == Mode::Sliding).collect();
+    let leaving: Vec<usize> = switches.clone().filter(|&i| field.modes[i] == FrictionMode::Sliding).collect();
     field.hold_directions(leaving.iter().copied());
     let solved = if leaving.is_empty() { field.evaluate((t, x), dx) } else { depart(field, (t, x), &leaving, dx) };
     field.release_directions();
@@ -173,8 +173,8 @@ fn is_consistent(field: &mut Field<'_>, (t, x): (f64, &[f64]), zero: &ZeroSet, s
             1e-9 * rates + spread
         };
         let away = match field.modes[i] {
-            Mode::Sticking => return !field.is_overloaded(i),
-            Mode::Sliding => field.radial_rate(i, dx),
+            FrictionMode::Sticking => return !field.is_overloaded(i),
+            FrictionMode::Sliding => field.radial_rate(i, dx),
             sliding => sliding.sign() * surfaces.rate(part.start, dx),
         };
         if strict { away > 0.0 } else { away >= -slack() }

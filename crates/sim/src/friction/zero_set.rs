@@ -2,7 +2,7 @@
 
 use super::dependence::Span;
 use super::filippov::Field;
-use super::modes::Mode;
+use super::modes::FrictionMode;
 
 /// Events closer than this (times the time, from 1 s on) are one.
 pub(crate) const SIMULTANEOUS: f64 = 1e-12;
@@ -12,7 +12,7 @@ pub(crate) const SIMULTANEOUS: f64 = 1e-12;
 pub(crate) struct Zero {
     pub(crate) switch: usize,
     /// The sliding mode to try first: the side to which it passes or breaks loose.
-    pub(crate) preferred: Mode,
+    pub(crate) preferred: FrictionMode,
     /// Whether sticking is known to have ended.
     pub(crate) loose: bool,
 }
@@ -28,7 +28,7 @@ impl ZeroSet {
         self.entries.iter().map(|entry| entry.switch).collect()
     }
 
-    fn push(&mut self, switch: usize, preferred: Mode, loose: bool) {
+    fn push(&mut self, switch: usize, preferred: FrictionMode, loose: bool) {
         self.entries.push(Zero { switch, preferred, loose });
     }
 
@@ -47,10 +47,10 @@ impl ZeroSet {
                 if surfaces.is_vector(i) { surfaces.arrival_size(i, x, atol) } else { surfaces.negligible(i, x, atol) };
             let sigma = surfaces.size(i);
             match field.modes[i] {
-                Mode::Sticking if sigma <= 1e5 * surfaces.rounding(i, x) + tiny => {
+                FrictionMode::Sticking if sigma <= 1e5 * surfaces.rounding(i, x) + tiny => {
                     self.push(i, field.sliding_mode(i), false);
                 }
-                sliding if sliding != Mode::Sticking && (field.departing[i] || sigma <= tiny) => {
+                sliding if sliding != FrictionMode::Sticking && (field.departing[i] || sigma <= tiny) => {
                     self.push(i, sliding, false);
                 }
                 _ => field.modes[i] = field.mode_of(i, false),
@@ -78,11 +78,11 @@ impl ZeroSet {
         let surfaces = &field.surfaces;
         for (i, &mode) in field.modes.iter().enumerate() {
             match mode {
-                Mode::Sticking => {
+                FrictionMode::Sticking => {
                     let loose = i == switch && breaks || field.is_overloaded(i);
                     self.push(i, field.sliding_mode(i), loose);
                 }
-                Mode::Sliding => {
+                FrictionMode::Sliding => {
                     if i == switch || surfaces.size(i) <= surfaces.arrival_size(i, x, atol) {
                         self.push(i, mode, false);
                     }
@@ -135,7 +135,7 @@ impl ZeroSet {
         field.surfaces.evaluate(&mut field.system, t, x);
         for (i, mode) in field.modes.iter().enumerate() {
             let stays = field.surfaces.size(i) == 0.0 && field.system.sticks(i);
-            if *mode == Mode::Sticking || *mode == Mode::Sliding && field.departing[i] || stays {
+            if *mode == FrictionMode::Sticking || *mode == FrictionMode::Sliding && field.departing[i] || stays {
                 self.push(i, field.sliding_mode(i), false);
             }
         }

@@ -6,7 +6,7 @@
 
 use super::dense::third_difference;
 use super::step::{Attempt, Control, RADAU_STAGES, Step};
-use crate::friction::{Field, Mode, divide, norm};
+use crate::friction::{Field, FrictionMode, divide, norm};
 use bracketry_numerics::collocation::{RADAU_3 as A, RADAU_3_NODES as C};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -39,7 +39,7 @@ pub(super) fn attempt(step: &mut Step, field: &mut Field<'_>, h: f64, control: C
     let Some(influence) = field.influence_of_directions((step.t, &step.x), &step.signs[0]) else {
         return Attempt::Unsolvable;
     };
-    let sliding: Vec<usize> = field.in_mode(Mode::Sliding).collect();
+    let sliding: Vec<usize> = field.in_mode(FrictionMode::Sliding).collect();
     field.hold_directions(sliding.iter().copied());
     let tolerances = (control.settings.atol.min(1e-9), control.settings.rtol.min(1e-9));
     let solved = Stages { step, field, h, tolerances, sliding, influence }.solve();

@@ -1,8 +1,8 @@
 //! One step from the present point: its stages, its end, its continuous extension.
 
 use super::dense::{interpolate, node_weights};
-use crate::friction::{Field, Mode};
-use crate::settings::Settings;
+use crate::friction::{Field, FrictionMode};
+use crate::settings::SimulationSettings;
 
 /// Error allowed in the sticking signs from one order to the other: enough to see every excursion toward ±1.
 const SIGN_TOLERANCE: f64 = 1e-4;
@@ -13,7 +13,7 @@ pub(crate) const RADAU_STAGES: [usize; 4] = [0, 1, 2, 6];
 /// What the error of a step is judged by.
 #[derive(Clone, Copy)]
 pub(crate) struct Control<'a> {
-    pub(crate) settings: &'a Settings,
+    pub(crate) settings: &'a SimulationSettings,
     /// Whether the errors of the sticking signs count.
     pub(crate) signs: bool,
 }
@@ -77,7 +77,7 @@ impl Step {
     }
 
     /// Hairer's rule for the first step (II.4): one per cent of the time in which the state changes by itself.
-    pub(crate) fn first_length(&self, settings: &Settings, remaining: f64) -> f64 {
+    pub(crate) fn first_length(&self, settings: &SimulationSettings, remaining: f64) -> f64 {
         let (mut d0, mut d1) = (0.0f64, 0.0f64);
         for (x, v) in self.x.iter().zip(&self.k[0]) {
             d0 = d0.max(x.abs() / settings.scale(x.abs()));
@@ -119,7 +119,7 @@ impl Step {
             sum += e * e;
         }
         let mut error = (sum / self.x.len().max(1) as f64).sqrt();
-        let controlled = field.in_mode(Mode::Sticking).filter(|_| control.signs);
+        let controlled = field.in_mode(FrictionMode::Sticking).filter(|_| control.signs);
         for c in controlled.flat_map(|i| field.surfaces.parts[i].clone()) {
             error = error.max(of_sign(c).abs() / SIGN_TOLERANCE);
         }

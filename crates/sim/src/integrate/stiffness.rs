@@ -5,7 +5,7 @@
 //! direction.
 
 use super::step::Step;
-use crate::friction::{Field, Mode};
+use crate::friction::{Field, FrictionMode};
 
 /// Part of the time to zero that a step may use.
 const SHARE: f64 = 0.9;
@@ -59,7 +59,7 @@ impl Stiffness {
         length: &mut f64,
     ) -> Approach {
         let before = std::mem::replace(&mut self.nearest, f64::INFINITY);
-        let sliding: Vec<usize> = field.in_mode(Mode::Sliding).filter(|&i| !field.departing[i]).collect();
+        let sliding: Vec<usize> = field.in_mode(FrictionMode::Sliding).filter(|&i| !field.departing[i]).collect();
         if sliding.is_empty() {
             return Approach::None;
         }
@@ -90,7 +90,7 @@ impl Stiffness {
 
     /// Whether a step of length `h` from the present point, after `attempts` of others, has to be implicit.
     pub(crate) fn is_stiff(&mut self, field: &mut Field<'_>, step: &Step, h: f64, attempts: usize) -> bool {
-        if field.in_mode(Mode::Sliding).any(|i| field.departing[i]) {
+        if field.in_mode(FrictionMode::Sliding).any(|i| field.departing[i]) {
             return true;
         }
         if self.nearest.is_infinite() {

@@ -41,7 +41,7 @@ impl Model {
     /// [`InputError`] if the inputs do not fit the system or cannot be read.
     ///
     /// ```
-    /// use bracketry_sim::{simulate, Inputs, Model, Settings};
+    /// use bracketry_sim::{simulate, Inputs, Model, SimulationSettings};
     /// use bracketry_system::System;
     /// let text = r#"
     ///     states = ["x", "v"]
@@ -51,7 +51,7 @@ impl Model {
     /// "#;
     /// let system = System::parse("block.toml", text).unwrap();
     /// let model = Model::new(&system, &Inputs::new().expression("a", "6*sin(10*t)")).unwrap();
-    /// let run = simulate(model, 0.0, &[0.0, 0.0], 1.0, &Settings::default()).unwrap();
+    /// let run = simulate(model, 0.0, &[0.0, 0.0], 1.0, &SimulationSettings::default()).unwrap();
     /// let first = run.trajectory.mode_changes()[0];
     /// assert!((first.t - (0.3f64 * 9.81 / 6.0).asin() / 10.0).abs() < 1e-10);
     /// ```

@@ -5,13 +5,17 @@ use super::setup::Scenario;
 use crate::breakdown::Breakdown;
 use crate::implicit_model::ImplicitModel;
 use crate::outcome::Outcome;
-use crate::settings::Settings;
+use crate::settings::SimulationSettings;
 use crate::simulate::simulate;
 use bracketry_system::System;
 
 impl Scenario {
     /// The run of a model with algebraic variables, its parameters set.
-    pub(super) fn run_implicit(&self, system: &System, settings: &Settings) -> Result<ScenarioRun, ScenarioError> {
+    pub(super) fn run_implicit(
+        &self,
+        system: &System,
+        settings: &SimulationSettings,
+    ) -> Result<ScenarioRun, ScenarioError> {
         let mut model = ImplicitModel::new(system, &self.inputs)?;
         let simulation = simulate(model.clone(), self.start, &self.x0, self.end, settings)?;
         let (end, breakdown) = match &simulation.outcome {

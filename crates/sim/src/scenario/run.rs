@@ -5,7 +5,7 @@ use crate::breakdown::Breakdown;
 use crate::discrete::DiscreteModel;
 use crate::model::{InputError, Model};
 use crate::outcome::Outcome;
-use crate::settings::{Settings, SimError};
+use crate::settings::{SimError, SimulationSettings};
 use crate::simulate::{Simulation, simulate};
 use bracketry_symbolic::CompileError;
 use bracketry_system::{FileError, System, ZeroDenominator};
@@ -58,7 +58,7 @@ impl Scenario {
     ///
     /// # Errors
     /// If inputs and system do not fit. Blow-up and chattering are outcomes, not errors.
-    pub fn run(&self, system: &System, settings: &Settings) -> Result<ScenarioRun, ScenarioError> {
+    pub fn run(&self, system: &System, settings: &SimulationSettings) -> Result<ScenarioRun, ScenarioError> {
         let mut system = system.clone();
         for (name, value) in &self.parameters {
             system.set_parameter(name, value.clone());

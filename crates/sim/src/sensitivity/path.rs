@@ -1,6 +1,6 @@
 //! The course of a simulation, recorded: its steps and events.
 
-use crate::friction::{Field, Mode};
+use crate::friction::{Field, FrictionMode};
 use crate::integrate::Step;
 
 /// A piece of a [`Path`].
@@ -17,7 +17,7 @@ pub(crate) enum Piece {
 pub struct Path {
     pub(crate) pieces: Vec<Piece>,
     pub(crate) numbers: Vec<f64>,
-    pub(crate) modes: Vec<Mode>,
+    pub(crate) modes: Vec<FrictionMode>,
 }
 
 /// The gradient of a switching function that reaches zero, its rate, and the field before its mode changes.
@@ -60,7 +60,7 @@ impl Path {
     }
 
     /// Records the attempted step of length `h`.
-    pub(crate) fn push_step(&mut self, step: &Step, h: f64, modes: &[Mode]) {
+    pub(crate) fn push_step(&mut self, step: &Step, h: f64, modes: &[FrictionMode]) {
         let (first, n) = (self.numbers.len(), step.x.len());
         self.pieces.push(Piece::Step { t: step.t + 0.5 * h, h, first, modes: self.modes.len() });
         self.numbers.resize(first + n, 0.0);

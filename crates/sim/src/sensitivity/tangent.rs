@@ -6,7 +6,7 @@
 use super::path::{Path, Piece};
 use super::saltation::Saltation;
 use crate::Switched;
-use crate::friction::{Mode, Surfaces, eliminate, norm};
+use crate::friction::{FrictionMode, Surfaces, eliminate, norm};
 use crate::model::Model;
 use bracketry_numerics::eigen::pseudo_inverse;
 use nalgebra::DMatrix;
@@ -117,7 +117,8 @@ impl Model {
                     tangent.by_number.extend_from_slice(by_number);
                     if moving {
                         let surfaces = &maps.surfaces;
-                        for (part, _) in surfaces.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sliding) {
+                        for (part, _) in surfaces.parts.iter().zip(modes).filter(|(_, m)| **m == FrictionMode::Sliding)
+                        {
                             let by_number = tangent.by_number[from..].chunks_exact_mut(n);
                             for (moved, out) in moved.chunks_exact(k).zip(by_number) {
                                 turn(part, (s, &surfaces.sigma), |c| moved[c], &field[n * n..], out);
@@ -238,20 +239,20 @@ impl Maps {
         model: &mut Model,
         (t, h): (f64, f64),
         (x, s): (&[f64], &[f64]),
-        modes: &[Mode],
+        modes: &[FrictionMode],
         field: &[f64],
     ) -> bool {
         let n = self.n;
         let (by_state, by_sign) = field.split_at(n * n);
         self.a.copy_from_slice(by_state);
-        let vectors = modes.contains(&Mode::Sliding);
-        let sticks = modes.contains(&Mode::Sticking);
+        let vectors = modes.contains(&FrictionMode::Sliding);
+        let sticks = modes.contains(&FrictionMode::Sticking);
         if vectors || sticks {
             self.surfaces.differentiate(model, t, x);
         }
         if vectors {
             self.surfaces.evaluate(model, t, x);
-            for (part, _) in self.surfaces.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sliding) {
+            for (part, _) in self.surfaces.parts.iter().zip(modes).filter(|(_, m)| **m == FrictionMode::Sliding) {
                 for (j, a) in self.a.chunks_exact_mut(n).enumerate() {
                     turn(part, (s, &self.surfaces.sigma), |c| self.surfaces.gradient(c)[j], by_sign, a);
                 }
@@ -288,11 +289,11 @@ impl Maps {
     }
 
     /// The projection for the components that stick; false where they do not determine each other.
-    fn stick(&mut self, modes: &[Mode], by_sign: &[f64]) -> bool {
+    fn stick(&mut self, modes: &[FrictionMode], by_sign: &[f64]) -> bool {
         let n = self.n;
         let parts = self.surfaces.parts.iter().zip(modes);
         let sticking: Vec<usize> =
-            parts.filter(|(_, m)| **m == Mode::Sticking).flat_map(|(part, _)| part.clone()).collect();
+            parts.filter(|(_, m)| **m == FrictionMode::Sticking).flat_map(|(part, _)| part.clone()).collect();
         let m = sticking.len();
         let column = |c: usize| &by_sign[c * n..(c + 1) * n];
         let mut matrix = vec![0.0; m * m];

@@ -2,11 +2,11 @@
 
 use crate::Switched;
 use crate::events::{Guard, Locator};
-use crate::friction::{Filippov, Mode, ZeroSet};
+use crate::friction::{Filippov, FrictionMode, ZeroSet};
 use crate::integrate::{Step, Stiffness};
 use crate::outcome::{Outcome, Statistics};
 use crate::sensitivity::Path;
-use crate::settings::{Settings, SimError};
+use crate::settings::{SimError, SimulationSettings};
 use crate::trajectory::Trajectory;
 
 mod stepping;
@@ -14,7 +14,7 @@ mod stepping;
 /// A re-entrant integrator: keeps time, state, modes and step length from one call to the next.
 ///
 /// ```
-/// use bracketry_sim::{Closures, Mode, Settings, Stepper};
+/// use bracketry_sim::{Closures, FrictionMode, SimulationSettings, Stepper};
 /// let block = Closures {
 ///     dim: 1,
 ///     switches: 1,
@@ -22,15 +22,15 @@ mod stepping;
 ///     switching: |_t, x: &[f64], sigma: &mut [f64]| sigma[0] = x[0],
 ///     gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[0] = 1.0,
 /// };
-/// let mut stepper = Stepper::new(block, 0.0, &[0.0], &Settings::default()).unwrap();
+/// let mut stepper = Stepper::new(block, 0.0, &[0.0], &SimulationSettings::default()).unwrap();
 /// assert!(stepper.advance(0.5).is_finished()); // 2 sin 0.5 < 1: it holds
-/// assert_eq!((stepper.state(), stepper.modes()), (&[0.0][..], &[Mode::Sticking][..]));
+/// assert_eq!((stepper.state(), stepper.modes()), (&[0.0][..], &[FrictionMode::Sticking][..]));
 /// assert!(stepper.advance(0.6).is_finished()); // breaks loose at asin(1/2) = 0.5236
-/// assert_eq!(stepper.modes(), &[Mode::Positive]);
+/// assert_eq!(stepper.modes(), &[FrictionMode::Positive]);
 /// ```
 #[derive(Debug, Clone)]
 pub struct Stepper<S: ?Sized> {
-    settings: Settings,
+    settings: SimulationSettings,
     step: Step,
     /// Length of the next step to try; 0 where nothing is known of it.
     h: f64,
@@ -51,7 +51,7 @@ impl<S: Switched> Stepper<S> {
     ///
     /// # Errors
     /// [`SimError`] for a state of the wrong length, a time that is not finite, or settings without meaning.
-    pub fn new(system: S, t: f64, x: &[f64], settings: &Settings) -> Result<Self, SimError> {
+    pub fn new(system: S, t: f64, x: &[f64], settings: &SimulationSettings) -> Result<Self, SimError> {
         settings.check()?;
         check_start(t, x, system.dim())?;
         let field = Filippov::new(system);
@@ -89,7 +89,7 @@ impl<S: Switched> Stepper<S> {
     }
 
     /// Current modes, one per switch.
-    pub fn modes(&self) -> &[Mode] {
+    pub fn modes(&self) -> &[FrictionMode] {
         &self.field.modes
     }
 

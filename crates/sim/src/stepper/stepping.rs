@@ -3,7 +3,7 @@
 use super::Stepper;
 use crate::Switched;
 use crate::events::{Scan, gap_at_end};
-use crate::friction::{Mode, SIMULTANEOUS, resolve};
+use crate::friction::{FrictionMode, SIMULTANEOUS, resolve};
 use crate::integrate::{Approach, Attempt, Control, Step, attempt};
 use crate::outcome::{Outcome, StopReason};
 use crate::sensitivity::FieldBefore;
@@ -83,7 +83,7 @@ impl Stepper<dyn Switched + '_> {
     }
 
     /// Gives the zero set consistent modes, projects what sticks, logs what changed since the modes `before`.
-    fn resolve_modes(&mut self, before: &[Mode]) -> Result<(), StopReason> {
+    fn resolve_modes(&mut self, before: &[FrictionMode]) -> Result<(), StopReason> {
         let Self { field, step, zero, guard, settings, .. } = self;
         let (t, x) = (step.t, &mut step.x);
         resolve(field, (t, &*x), zero, &guard.failed, settings.max_zero_set)
@@ -94,7 +94,7 @@ impl Stepper<dyn Switched + '_> {
         }
         field.departing.fill(false);
         for entry in &zero.entries {
-            field.departing[entry.switch] = field.modes[entry.switch] != Mode::Sticking;
+            field.departing[entry.switch] = field.modes[entry.switch] != FrictionMode::Sticking;
         }
         field.project(t, x);
         if let Some(trajectory) = &mut self.trajectory {
@@ -224,7 +224,7 @@ impl Stepper<dyn Switched + '_> {
 
     /// Steps to the event of `switch` at fraction `theta` of the step `h`, and changes the modes there.
     fn meet(&mut self, theta: f64, h: f64, switch: usize) -> Result<(), StopReason> {
-        let breaks = self.field.modes[switch] == Mode::Sticking;
+        let breaks = self.field.modes[switch] == FrictionMode::Sticking;
         let shortest = self.step.shortest();
         if theta * h <= shortest {
             self.guard.failed.push(self.field.modes.clone());

@@ -1,7 +1,7 @@
 //! Where a system is affine in its signs, those that stick are solved for in one evaluation; the motion is the same as by
 //! iteration.
 
-use bracketry_sim::{Inputs, Model, Settings, Simulation, Switched, simulate};
+use bracketry_sim::{Inputs, Model, Simulation, SimulationSettings, Switched, simulate};
 use bracketry_system::System;
 
 /// A model that does not tell that it is affine.
@@ -44,7 +44,7 @@ impl Switched for Iterated {
 fn both_ways(text: &str, inputs: &Inputs, x0: &[f64], t_end: f64) -> [Simulation; 2] {
     let system = System::parse("model.toml", text).unwrap();
     let model = Model::new(&system, inputs).unwrap();
-    let settings = Settings::default();
+    let settings = SimulationSettings::default();
     [
         simulate(model.clone(), 0.0, x0, t_end, &settings).unwrap(),
         simulate(Iterated(model), 0.0, x0, t_end, &settings).unwrap(),

@@ -1,11 +1,11 @@
 //! Energy balance and invariants along trajectories with stick and slip.
 
-use bracketry_sim::{Account, Balance, InputError, Inputs, Model, Settings, simulate};
+use bracketry_sim::{Account, Balance, InputError, Inputs, Model, SimulationSettings, simulate};
 use bracketry_system::System;
 
 fn account(text: &str, inputs: &Inputs, x0: &[f64], t_end: f64, stored: &str, power: &str, kept: &[&str]) -> Account {
     let system = System::parse("test.toml", text).unwrap();
-    let run = simulate(Model::new(&system, inputs).unwrap(), 0.0, x0, t_end, &Settings::default()).unwrap();
+    let run = simulate(Model::new(&system, inputs).unwrap(), 0.0, x0, t_end, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished());
     assert!(run.trajectory.mode_changes().len() > 3 || !kept.is_empty());
     Balance::new(&system, inputs, stored, power, kept).unwrap().of(&run.trajectory)

@@ -1,12 +1,12 @@
 //! Orders of convergence, also across events.
 
-use bracketry_sim::{Inputs, Model, Settings, simulate};
+use bracketry_sim::{Inputs, Model, SimulationSettings, simulate};
 use bracketry_system::System;
 
 /// Final states with steps of `h` at most, the relative tolerance being no limit.
 fn end(text: &str, inputs: &Inputs, x0: &[f64], t_end: f64, h: f64) -> Vec<f64> {
     let system = System::parse("test.toml", text).unwrap();
-    let settings = Settings::default().with_tolerance(1.0, 1e-6).with_max_step(h);
+    let settings = SimulationSettings::default().with_tolerance(1.0, 1e-6).with_max_step(h);
     let run = simulate(Model::new(&system, inputs).unwrap(), 0.0, x0, t_end, &settings).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     run.trajectory.final_state().to_vec()

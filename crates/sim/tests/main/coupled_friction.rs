@@ -1,6 +1,6 @@
 //! Dry friction on a plane, coupled over its directions: stops, turns, breaks loose as mechanics says.
 
-use bracketry_sim::{Inputs, Mode, Model, Settings, Simulation, simulate};
+use bracketry_sim::{FrictionMode, Inputs, Model, Simulation, SimulationSettings, simulate};
 use bracketry_system::System;
 
 const G: f64 = 9.81;
@@ -8,7 +8,7 @@ const G: f64 = 9.81;
 fn simulate_text(text: &str, inputs: &Inputs, x0: &[f64], t_end: f64) -> Simulation {
     let system = System::parse("test.toml", text).unwrap();
     let model = Model::new(&system, inputs).unwrap();
-    let run = simulate(model, 0.0, x0, t_end, &Settings::default()).unwrap();
+    let run = simulate(model, 0.0, x0, t_end, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     run
 }
@@ -38,7 +38,7 @@ fn a_straight_slide_stops_at_v_over_mu_g_at_the_right_place() {
         let stop = v / (0.3 * G);
         let events = run.trajectory.mode_changes();
         assert_eq!(events.len(), 1, "{events:?}");
-        assert_eq!((events[0].from, events[0].to), (Mode::Sliding, Mode::Sticking));
+        assert_eq!((events[0].from, events[0].to), (FrictionMode::Sliding, FrictionMode::Sticking));
         assert!((events[0].t - stop).abs() < 1e-10, "{:e}", events[0].t - stop);
         let end = run.trajectory.final_state();
         assert!((end[0] - 0.1 - 0.5 * vx * stop).abs() < 1e-9 && (end[1] + 0.2 - 0.5 * vy * stop).abs() < 1e-9);
@@ -81,7 +81,7 @@ fn a_plane_that_shakes_breaks_the_object_loose_where_the_size_of_its_acceleratio
         if size(low) * size(m) <= 0.0 { high = m } else { low = m }
     }
     let events = run.trajectory.mode_changes();
-    let first = events.iter().find(|e| e.from == Mode::Sticking).unwrap();
+    let first = events.iter().find(|e| e.from == FrictionMode::Sticking).unwrap();
     assert!((first.t - low).abs() < 1e-10, "{:e}", first.t - low);
 }
 
@@ -136,7 +136,7 @@ fn a_push_that_grows_breaks_loose_along_its_own_line() {
     let run = simulate_text(&plane("a", "b"), &inputs, &[0.0; 4], 1.5);
     let start = 0.3 * G / c;
     let events = run.trajectory.mode_changes();
-    assert_eq!((events.len(), events[0].to), (1, Mode::Sliding));
+    assert_eq!((events.len(), events[0].to), (1, FrictionMode::Sliding));
     assert!((events[0].t - start).abs() < 1e-10);
     for i in 1..=20 {
         let t = start + (1.5 - start) * f64::from(i) / 20.0;
@@ -214,7 +214,7 @@ fn a_disk_whose_spin_brakes_hard_ends_both_motions_together() {
     let events = run.trajectory.mode_changes();
     assert_eq!(events.len(), 2, "{events:?}");
     for e in events {
-        assert_eq!(e.to, Mode::Sticking);
+        assert_eq!(e.to, FrictionMode::Sticking);
         assert!((e.t - 1.0 / 3.0).abs() < 1e-9, "{e:?}");
     }
     assert_eq!(run.trajectory.final_state(), &[0.0; 3]);

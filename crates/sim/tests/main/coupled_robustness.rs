@@ -1,6 +1,6 @@
 //! Random coupled friction: every run ends where it should, with finite numbers, and agrees with finer runs.
 
-use bracketry_sim::{Balance, Inputs, Model, Settings, simulate};
+use bracketry_sim::{Balance, Inputs, Model, SimulationSettings, simulate};
 use bracketry_system::System;
 use proptest::prelude::*;
 
@@ -44,7 +44,8 @@ fn points_that_break_loose_together_slide_together() {
     "#;
     let system = System::parse("two.toml", text).unwrap();
     let inputs = Inputs::new().expression("b", "6.7*sin(t)*cos(10.436693*t)");
-    let run = simulate(Model::new(&system, &inputs).unwrap(), 0.0, &[0.0; 4], 2.0, &Settings::default()).unwrap();
+    let run =
+        simulate(Model::new(&system, &inputs).unwrap(), 0.0, &[0.0; 4], 2.0, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?} {:?}", run.outcome, run.trajectory.mode_changes());
     let end = run.trajectory.final_state();
     assert!(end[1].abs() > 1e-3 && (end[1] - end[3]).abs() < 1e-12 && end[0].abs() < 1e-12, "{end:?}");
@@ -65,7 +66,7 @@ proptest! {
             .expression("b", &format!("{q:.6}*sin(t)*cos({turns:.6}*t)"));
         let x0: Vec<f64> = x.iter().zip(still).map(|(v, rest)| if rest { 0.0 } else { *v }).collect();
         let model = Model::new(&system, &inputs).unwrap();
-        let run = simulate(model, 0.0, &x0, 2.0, &Settings::default()).unwrap();
+        let run = simulate(model, 0.0, &x0, 2.0, &SimulationSettings::default()).unwrap();
         prop_assert!(run.outcome.is_finished(), "{:?}", run.outcome);
         prop_assert!(run.trajectory.final_state().iter().all(|v| v.is_finite()));
         let stored = "(vx^2 + vy^2 + ux^2 + uy^2)/2";

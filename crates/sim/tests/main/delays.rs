@@ -1,6 +1,6 @@
 //! Inputs that act later than they are commanded, against the same without delay.
 
-use bracketry_sim::{ExactPlant, Hold, InputError, Inputs, Model, Samples, Settings, Stepper, simulate};
+use bracketry_sim::{ExactPlant, Hold, InputError, Inputs, Model, Samples, SimulationSettings, Stepper, simulate};
 use bracketry_system::System;
 
 const BLOCK: &str = r#"
@@ -16,7 +16,7 @@ fn block(delays: &str) -> System {
 
 fn end(system: &System, inputs: &Inputs) -> Vec<f64> {
     let model = Model::new(system, inputs).unwrap();
-    simulate(model, 0.0, &[0.0, 0.2], 2.0, &Settings::default()).unwrap().trajectory.sample(2.0)
+    simulate(model, 0.0, &[0.0, 0.2], 2.0, &SimulationSettings::default()).unwrap().trajectory.sample(2.0)
 }
 
 fn close(a: &[f64], b: &[f64]) {
@@ -48,7 +48,7 @@ fn samples_are_shifted_with_their_breaks() {
         // Samples given later are shifted too.
         let mut model = Model::new(&block(delays), &drive(5.0)).unwrap();
         assert!(model.set_samples("F", 0, samples(0.0)) && model.set_samples("X", 2, samples(0.0)));
-        let run = simulate(model, 0.0, &[0.0, 0.2], 2.0, &Settings::default()).unwrap();
+        let run = simulate(model, 0.0, &[0.0, 0.2], 2.0, &SimulationSettings::default()).unwrap();
         close(&run.trajectory.sample(2.0), &end(&block(""), &drive(0.013)));
     }
 }
@@ -58,7 +58,8 @@ fn a_held_value_acts_within_a_later_step() {
     let commands = [1.5, -2.0, 0.7, 0.0, 3.0, -1.0];
     for (delay, text) in [(0.03, "0.03"), (0.07, "0.07"), (0.25, "0.25"), (0.013, "\"d\"")] {
         let mut plant =
-            ExactPlant::new(&block(&format!("[delays]\nF = {text}")), &[0.0, 0.2], &Settings::default()).unwrap();
+            ExactPlant::new(&block(&format!("[delays]\nF = {text}")), &[0.0, 0.2], &SimulationSettings::default())
+                .unwrap();
         for u in commands {
             assert!(plant.hold(&[u, 0.0], 0.05).unwrap().is_finished());
         }
@@ -66,7 +67,7 @@ fn a_held_value_acts_within_a_later_step() {
         let values = std::iter::once(0.0).chain(commands).collect();
         let inputs = Inputs::new().samples("F", Samples::new(times, values, Hold::Previous).unwrap());
         let model = Model::new(&block(""), &inputs).unwrap();
-        let run = simulate(model, 0.0, &[0.0, 0.2], 0.3, &Settings::default()).unwrap();
+        let run = simulate(model, 0.0, &[0.0, 0.2], 0.3, &SimulationSettings::default()).unwrap();
         close(plant.state(), &run.trajectory.sample(0.3));
     }
 }
@@ -75,7 +76,7 @@ fn a_held_value_acts_within_a_later_step() {
 fn what_was_set_before_the_beginning_has_been_there_for_ever() {
     let mut model = Model::new(&block("[delays]\nF = 0.5"), &Inputs::new()).unwrap();
     model.set_inputs(&[2.0, 0.0]).unwrap();
-    let mut stepper = Stepper::new(model, 3.0, &[0.0, 1.0], &Settings::default()).unwrap();
+    let mut stepper = Stepper::new(model, 3.0, &[0.0, 1.0], &SimulationSettings::default()).unwrap();
     stepper.system_mut().set_inputs(&[0.5, 0.0]).unwrap();
     assert!(stepper.advance(4.0).is_finished());
     // v' = 2 − 0.5 for half a second, then 0.5 − 0.5.

@@ -1,6 +1,6 @@
 //! Models that are discrete in time: the iteration by hand, and what a scenario of one may say.
 
-use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Scenario, Settings};
+use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Scenario, SimulationSettings};
 use bracketry_system::{Accepted, System};
 
 fn model(text: &str) -> System {
@@ -14,7 +14,7 @@ const LOGISTIC: &str =
 fn the_logistic_map_is_iterated() {
     let system = model(LOGISTIC);
     let scenario = Scenario::parse("s.toml", "duration = 10\nx0 = { x = 0.2 }", &system).unwrap();
-    let run = scenario.run(&system, &Settings::default()).unwrap();
+    let run = scenario.run(&system, &SimulationSettings::default()).unwrap();
     let mut x = 0.2;
     assert_eq!(run.states.len(), 101);
     for (k, row) in run.states.iter().enumerate() {
@@ -39,7 +39,7 @@ fn a_discretized_integrator_adds_up_its_inputs() {
     let inputs =
         Inputs::new().samples("u", Samples::new(times, values, Hold::Previous).unwrap()).expression("w", "sign(t - 1)");
     let scenario = Scenario { x0: vec![0.0, 0.0], inputs, start: 0.0, end: 20.0, sample: 0.5, parameters: Vec::new() };
-    let run = scenario.run(&system, &Settings::default()).unwrap();
+    let run = scenario.run(&system, &SimulationSettings::default()).unwrap();
     assert_eq!(run.states.len(), 41);
     for (row, x) in run.states.iter().enumerate() {
         let k = 5 * row;
@@ -65,7 +65,7 @@ fn times_are_multiples_of_the_period() {
 fn a_run_ends_before_a_state_that_is_not_finite() {
     let system = model("time = 'discrete'\nperiod = 1\nstates = ['x']\ndynamics = { x = 'x^2' }");
     let scenario = Scenario::parse("s.toml", "duration = 50\nx0 = { x = 2 }", &system).unwrap();
-    let run = scenario.run(&system, &Settings::default()).unwrap();
+    let run = scenario.run(&system, &SimulationSettings::default()).unwrap();
     let Outcome::Stopped { t, state, .. } = &run.simulation.outcome else { panic!("it should stop") };
     // 2^(2^9) is a number, 2^(2^10) is none.
     assert_eq!((*t, state[0]), (9.0, 2f64.powi(512)));

@@ -1,7 +1,7 @@
 //! Models with algebraic variables of index 1: against closed forms, and where the equations have no solution.
 
 use bracketry_sim::{
-    AlgebraicRoot, Breakdown, Closures, NoRootReason, Outcome, Scenario, ScenarioRun, Settings, simulate,
+    AlgebraicRoot, Breakdown, Closures, NoRootReason, Outcome, Scenario, ScenarioRun, SimulationSettings, simulate,
 };
 use bracketry_system::{Accepted, System};
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ fn model(text: &str) -> System {
 }
 
 fn run(model: &System, scenario: &str) -> ScenarioRun {
-    Scenario::parse("scenario.toml", scenario, model).unwrap().run(model, &Settings::default()).unwrap()
+    Scenario::parse("scenario.toml", scenario, model).unwrap().run(model, &SimulationSettings::default()).unwrap()
 }
 
 /// The principal branch of w exp(w) = y for y ≥ 0, by Newton's method for w + ln w = ln y.
@@ -90,7 +90,7 @@ proptest! {
             switching: |_t, _x: &[f64], _sigma: &mut [f64]| {},
             gradient: |_t, _x: &[f64], _g: &mut [f64], _dt: &mut [f64]| {},
         };
-        let reference = simulate(reduced, 0.0, &[z0, w0], 2.0, &Settings::default()).unwrap().trajectory;
+        let reference = simulate(reduced, 0.0, &[z0, w0], 2.0, &SimulationSettings::default()).unwrap().trajectory;
         for (k, t) in run.times.iter().enumerate() {
             let z = reference.sample(*t);
             prop_assert!((run.outputs[k][0] - z[0]).abs() < 1e-6 && (run.outputs[k][1] - z[1]).abs() < 1e-6);

@@ -1,8 +1,8 @@
 //! Compiled models against closures and closed forms; inputs by expression, by samples, held.
 
 use bracketry_sim::{
-    Closures, ExactPlant, Hold, InputError, Inputs, Mode, Model, Outcome, Samples, Settings, Simulation, Stepper,
-    StopReason, simulate,
+    Closures, ExactPlant, FrictionMode, Hold, InputError, Inputs, Model, Outcome, Samples, Simulation,
+    SimulationSettings, Stepper, StopReason, simulate,
 };
 use bracketry_system::System;
 
@@ -24,7 +24,7 @@ fn shaken() -> System {
 }
 
 fn run(model: Model, x0: &[f64], t_end: f64) -> Simulation {
-    let run = simulate(model, 0.0, x0, t_end, &Settings::default()).unwrap();
+    let run = simulate(model, 0.0, x0, t_end, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     run
 }
@@ -54,7 +54,7 @@ fn an_expression_gives_its_derivatives_to_the_model() {
         switching: |_t, x: &[f64], sigma: &mut [f64]| sigma[0] = x[1],
         gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[1] = 1.0,
     };
-    let reference = simulate(by_hand, 0.0, &[0.1, 0.0], 3.0, &Settings::default()).unwrap();
+    let reference = simulate(by_hand, 0.0, &[0.1, 0.0], 3.0, &SimulationSettings::default()).unwrap();
     close(compiled.trajectory.final_state(), reference.trajectory.final_state(), 1e-10);
     assert!(compiled.trajectory.mode_changes().len() > 10);
     assert_eq!(compiled.trajectory.mode_changes().len(), reference.trajectory.mode_changes().len());
@@ -117,9 +117,9 @@ fn a_linear_signal_gives_its_first_derivative_and_moves_a_switching_surface() {
     let belt = system("states = [\"v\"]\ninputs = [\"b\"]\ndynamics = { v = \"-sign(v - b)\" }");
     let b = Samples::new(vec![0.0, 1.0, 2.0], vec![0.0, 0.5, 2.5], Hold::Linear).unwrap();
     let run = run(Model::new(&belt, &Inputs::new().samples("b", b)).unwrap(), &[0.0], 1.5);
-    assert_eq!(run.trajectory.mode(0, 0.7), Some(Mode::Sticking));
+    assert_eq!(run.trajectory.mode(0, 0.7), Some(FrictionMode::Sticking));
     close(&run.trajectory.sample(0.7), &[0.35], 1e-10);
-    assert_eq!(run.trajectory.mode(0, 1.2), Some(Mode::Negative));
+    assert_eq!(run.trajectory.mode(0, 1.2), Some(FrictionMode::Negative));
     close(run.trajectory.final_state(), &[1.0], 1e-10);
 }
 
@@ -145,7 +145,7 @@ fn abs_min_and_max_are_crossed_and_sign_sticks() {
     let model = Model::new(&model, &Inputs::new()).unwrap();
     let names: Vec<&str> = model.switch_names().collect();
     for event in run.trajectory.mode_changes() {
-        assert!(event.to != Mode::Sticking || names[event.switch] == "v");
+        assert!(event.to != FrictionMode::Sticking || names[event.switch] == "v");
     }
 }
 
@@ -163,7 +163,8 @@ fn a_sign_in_an_input_switches_at_its_own_time() {
 fn live_numbers_change_while_the_model_runs() {
     let inputs = Inputs::new().expression("X", "-A*t^2/2").live("A", 4.0).live("mu", 0.2);
     let mut stepper =
-        Stepper::new(Model::new(&shaken(), &inputs).unwrap(), 0.0, &[0.0, 0.0], &Settings::default()).unwrap();
+        Stepper::new(Model::new(&shaken(), &inputs).unwrap(), 0.0, &[0.0, 0.0], &SimulationSettings::default())
+            .unwrap();
     assert!(stepper.advance(1.0).is_finished());
     let v = 4.0 - 0.2 * 9.81;
     close(stepper.state(), &[v / 2.0, v], 1e-10);
@@ -190,13 +191,13 @@ fn a_plant_keeps_its_modes_from_sample_to_sample() {
         dynamics = { x = "v", v = "a - sign(v)" }
         "#,
     );
-    let mut plant = ExactPlant::new(&block, &[0.3, 0.0], &Settings::default()).unwrap();
+    let mut plant = ExactPlant::new(&block, &[0.3, 0.0], &SimulationSettings::default()).unwrap();
     // Below the friction for a minute: not a nanometer.
     for i in 0..6000 {
         let u = 0.99 * (0.37 * f64::from(i)).sin();
         assert!(plant.hold(&[u], 0.01).unwrap().is_finished());
     }
-    assert_eq!((plant.state(), plant.modes()), (&[0.3, 0.0][..], &[Mode::Sticking][..]));
+    assert_eq!((plant.state(), plant.modes()), (&[0.3, 0.0][..], &[FrictionMode::Sticking][..]));
     // A push of 3 for 0.1 s: v = 0.2, then 0.2 s to rest.
     for i in 0..50 {
         let u = if i < 10 { 3.0 } else { 0.0 };
@@ -217,7 +218,7 @@ fn a_plant_goes_on_from_where_it_stopped() {
     let block =
         system("states = [\"x\", \"v\"]\ninputs = [\"a\"]\ndynamics = { x = \"v\", v = \"sqrt(a) - sign(v)\" }");
     for (v0, bad) in [(0.0, f64::NAN), (0.0, f64::INFINITY), (0.5, f64::NAN), (0.5, -1.0)] {
-        let mut plant = ExactPlant::new(&block, &[0.0, v0], &Settings::default()).unwrap();
+        let mut plant = ExactPlant::new(&block, &[0.0, v0], &SimulationSettings::default()).unwrap();
         assert!(plant.hold(&[0.25], 0.1).unwrap().is_finished());
         let before = plant.state().to_vec();
         for _ in 0..3 {
@@ -228,7 +229,7 @@ fn a_plant_goes_on_from_where_it_stopped() {
         // Friction 1 against a push of 0.5.
         let v = (v0 - 0.1f64).max(0.0);
         close(plant.state(), &[v0 * v0 - v * v, v], 1e-10);
-        assert_eq!(plant.modes(), &[if v > 0.0 { Mode::Positive } else { Mode::Sticking }]);
+        assert_eq!(plant.modes(), &[if v > 0.0 { FrictionMode::Positive } else { FrictionMode::Sticking }]);
         assert!((plant.time() - 0.2).abs() < 1e-15);
     }
 }
@@ -285,6 +286,6 @@ fn impulses_that_are_left_out_are_known() {
 fn a_rate_that_is_no_number_at_the_start_is_reported_as_such() {
     let block = system("states = [\"v\"]\ninputs = [\"F\"]\ndynamics = { v = \"F - sign(v)\" }");
     let model = Model::new(&block, &Inputs::new().expression("F", "log(t - 3)")).unwrap();
-    let run = simulate(model, 0.0, &[0.0], 1.0, &Settings::default()).unwrap();
+    let run = simulate(model, 0.0, &[0.0], 1.0, &SimulationSettings::default()).unwrap();
     assert!(matches!(run.outcome, Outcome::Stopped { reason: StopReason::NonFinite, t: 0.0, .. }), "{:?}", run.outcome);
 }

@@ -2,7 +2,8 @@
 
 use crate::time_stepping::{Term, rest_of_step};
 use bracketry_sim::{
-    Balance, Closures, Coupled, Inputs, Mode, Model, Path, Settings, Simulation, Stepper, Tangent, simulate,
+    Balance, Closures, Coupled, FrictionMode, Inputs, Model, Path, Simulation, SimulationSettings, Stepper, Tangent,
+    simulate,
 };
 use bracketry_system::System;
 use proptest::prelude::*;
@@ -74,7 +75,7 @@ fn velocities() -> impl Strategy<Value = [f64; 2]> {
 
 fn run(system: &System, inputs: &Inputs, x0: &[f64], t_end: f64) -> Simulation {
     let model = Model::new(system, inputs).unwrap();
-    simulate(model, 0.0, x0, t_end, &Settings::default()).unwrap()
+    simulate(model, 0.0, x0, t_end, &SimulationSettings::default()).unwrap()
 }
 
 /// The proximal map of `|vx| + |vy|` times `axes` plus `|v|` times `plane`: that of the second after that of the first
@@ -175,13 +176,13 @@ fn sensitivities_pass_through_rest() {
     let x0 = [0.1, -0.2, 0.5, 0.3];
     let model = Model::differentiable(&system, &inputs, &[]).unwrap();
     // Steps short enough for the midpoint rule of the linear maps.
-    let settings = Settings::default().with_max_step(1e-3);
+    let settings = SimulationSettings::default().with_max_step(1e-3);
     let mut stepper = Stepper::new(model, 0.0, &x0, &settings).unwrap();
     stepper.follow(Path::default());
     let mut rested = false;
     for i in 1..=120 {
         assert!(stepper.advance(0.05 * f64::from(i)).is_finished());
-        rested |= stepper.modes().iter().all(|&mode| mode == Mode::Sticking);
+        rested |= stepper.modes().iter().all(|&mode| mode == FrictionMode::Sticking);
     }
     assert!(rested);
     let (path, mut tangent) = (stepper.take_path(), Tangent::default());
@@ -223,7 +224,7 @@ fn forces_found_by_iteration_are_shared_alike() {
     };
     // The plane first, then the axes.
     let block = Coupled::new(block, vec![2, 1, 1]);
-    let iterated = simulate(block, 0.0, &[0.4, -0.3], 4.0, &Settings::default()).unwrap();
+    let iterated = simulate(block, 0.0, &[0.4, -0.3], 4.0, &SimulationSettings::default()).unwrap();
     assert!(at_once.outcome.is_finished() && iterated.outcome.is_finished(), "{:?}", iterated.outcome);
     let (a, b) = (at_once.trajectory.mode_changes(), iterated.trajectory.mode_changes());
     assert!(a.len() > 10 && a.len() == b.len(), "{} {}", a.len(), b.len());
@@ -268,7 +269,7 @@ proptest! {
         for i in 0..=600 {
             let t = 0.005 * f64::from(i);
             let mode = |switch| run.trajectory.mode(switch, t).unwrap();
-            let sticks = |switch| mode(switch) == Mode::Sticking;
+            let sticks = |switch| mode(switch) == FrictionMode::Sticking;
             prop_assert_eq!(sticks(0) && sticks(1), sticks(2), "{} {:?} {:?} {:?}", t, mode(0), mode(1), mode(2));
         }
     }

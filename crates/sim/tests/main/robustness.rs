@@ -1,6 +1,8 @@
 //! Order, agreement with an independent integrator, and honest ends where a solution ends.
 
-use bracketry_sim::{Closures, Mode, Outcome, Settings, SimError, Stepper, StopReason, Switched, simulate};
+use bracketry_sim::{
+    Closures, FrictionMode, Outcome, SimError, SimulationSettings, Stepper, StopReason, Switched, simulate,
+};
 use proptest::prelude::*;
 
 fn smooth<F: FnMut(f64, &[f64], &[f64], &mut [f64])>(dim: usize, rhs: F) -> impl Switched {
@@ -20,7 +22,7 @@ fn the_error_falls_with_the_fifth_power_of_the_step() {
             dx[0] = x[1];
             dx[1] = -x[0];
         });
-        let settings = Settings::default().with_tolerance(1.0, 1.0).with_max_step(h);
+        let settings = SimulationSettings::default().with_tolerance(1.0, 1.0).with_max_step(h);
         let run = simulate(pendulum, 0.0, &[1.0, 0.0], 8.0, &settings).unwrap();
         let x = run.trajectory.final_state();
         (x[0] - 8.0f64.cos()).hypot(x[1] + 8.0f64.sin())
@@ -39,7 +41,7 @@ fn dense_output_agrees_with_the_solution_between_steps() {
         0.0,
         &[1.0, 0.0],
         20.0,
-        &Settings::default().with_tolerance(1e-10, 1e-12),
+        &SimulationSettings::default().with_tolerance(1e-10, 1e-12),
     )
     .unwrap();
     for i in 0..=2000 {
@@ -65,7 +67,7 @@ fn events_keep_the_tolerance() {
             switching: |_t, x: &[f64], sigma: &mut [f64]| sigma[0] = x[1],
             gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[1] = 1.0,
         };
-        let settings = Settings::default().with_tolerance(rtol, rtol * 0.1);
+        let settings = SimulationSettings::default().with_tolerance(rtol, rtol * 0.1);
         simulate(system, 0.0, &[0.0, 0.0], 30.0, &settings).unwrap().trajectory.final_state().to_vec()
     };
     let (reference, coarse, fine) = (end(1e-12), end(1e-6), end(1e-9));
@@ -78,7 +80,7 @@ fn blow_up_ends_with_time_and_state() {
     let system = smooth(1, |_t, x: &[f64], _s: &[f64], dx: &mut [f64]| {
         dx[0] = x[0] * x[0];
     });
-    let run = simulate(system, 0.0, &[1.0], 2.0, &Settings::default()).unwrap();
+    let run = simulate(system, 0.0, &[1.0], 2.0, &SimulationSettings::default()).unwrap();
     let Outcome::Stopped { reason, t, state } = run.outcome else { panic!("x' = x² ends at t = 1") };
     assert!(matches!(reason, StopReason::StepTooSmall | StopReason::NonFinite));
     assert!((t - 1.0).abs() < 1e-6 && state[0] > 1e6 && state[0].is_finite());
@@ -92,11 +94,11 @@ fn not_a_number_is_reported_where_it_arises() {
             dx[0] = (1.0 - t).sqrt();
         })
     };
-    let run = simulate(root(), 0.0, &[0.0], 2.0, &Settings::default()).unwrap();
+    let run = simulate(root(), 0.0, &[0.0], 2.0, &SimulationSettings::default()).unwrap();
     let Outcome::Stopped { reason, t, state } = run.outcome else { panic!("√(1−t) ends at 1") };
     assert_eq!(reason, StopReason::NonFinite);
     assert!((t - 1.0).abs() < 1e-6 && (state[0] - 2.0 / 3.0).abs() < 1e-6);
-    let run = simulate(root(), 0.0, &[f64::NAN], 0.5, &Settings::default()).unwrap();
+    let run = simulate(root(), 0.0, &[f64::NAN], 0.5, &SimulationSettings::default()).unwrap();
     assert!(matches!(run.outcome, Outcome::Stopped { reason: StopReason::NonFinite, t: 0.0, .. }));
 }
 
@@ -119,14 +121,14 @@ fn spiral() -> impl Switched {
 #[test]
 fn infinitely_many_switchings_are_passed_or_stopped_by_the_guard() {
     // The axes are met at distances 1, 1/3, 1/9, …: the origin at t = 1/3 + 1/9 + … = 1/2.
-    let run = simulate(spiral(), 0.0, &[1.0, 0.0], 3.0, &Settings::default()).unwrap();
+    let run = simulate(spiral(), 0.0, &[1.0, 0.0], 3.0, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     assert!(run.trajectory.final_state().iter().all(|x| x.abs() < 1e-10));
-    assert_eq!(run.trajectory.mode(0, 3.0), Some(Mode::Sticking));
-    assert_eq!(run.trajectory.mode(1, 3.0), Some(Mode::Sticking));
+    assert_eq!(run.trajectory.mode(0, 3.0), Some(FrictionMode::Sticking));
+    assert_eq!(run.trajectory.mode(1, 3.0), Some(FrictionMode::Sticking));
     let last = run.trajectory.mode_changes().last().unwrap();
     assert!((last.t - 0.5).abs() < 1e-9);
-    let guarded = Settings::default().with_event_limit(12, 0.1);
+    let guarded = SimulationSettings::default().with_event_limit(12, 0.1);
     let run = simulate(spiral(), 0.0, &[1.0, 0.0], 3.0, &guarded).unwrap();
     let Outcome::Stopped { reason, t, .. } = run.outcome else { panic!("the guard must stop it") };
     assert_eq!(reason, StopReason::TooManyEvents { limit: 12, window: 0.1 });
@@ -146,12 +148,12 @@ fn a_switch_that_nothing_can_hold_passes_through() {
         switching: |_t, x: &[f64], sigma: &mut [f64]| sigma[0] = x[0],
         gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[0] = 1.0,
     };
-    let run = simulate(system, 0.0, &[0.5, 0.0], 40.0, &Settings::default()).unwrap();
+    let run = simulate(system, 0.0, &[0.5, 0.0], 40.0, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished());
     let energy = |x: &[f64]| 0.5 * x[1] * x[1] + x[0].abs().powi(3) / 3.0;
     assert!((energy(run.trajectory.final_state()) - energy(&[0.5, 0.0])).abs() < 1e-9);
     assert!(run.trajectory.mode_changes().len() > 5);
-    assert!(run.trajectory.mode_changes().iter().all(|e| e.to != Mode::Sticking));
+    assert!(run.trajectory.mode_changes().iter().all(|e| e.to != FrictionMode::Sticking));
 }
 
 #[test]
@@ -168,7 +170,7 @@ fn a_grazing_contact_with_zero_is_no_event_and_a_crossing_by_a_hair_is_two() {
             switching: |_t, x: &[f64], sigma: &mut [f64]| sigma[0] = x[0],
             gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[0] = 1.0,
         };
-        let run = simulate(system, 0.0, &[1.0 + gap, -2.0], 5.0, &Settings::default()).unwrap();
+        let run = simulate(system, 0.0, &[1.0 + gap, -2.0], 5.0, &SimulationSettings::default()).unwrap();
         assert!(run.outcome.is_finished());
         assert!((run.trajectory.final_state()[0] - 16.0 - gap).abs() < 1e-9);
         run.trajectory.mode_changes().iter().map(|e| e.t).collect::<Vec<_>>()
@@ -193,7 +195,7 @@ fn many_blocks_that_stop_together_are_settled_without_enumeration() {
             (0..n).for_each(|i| g[i * n + i] = 1.0);
         },
     };
-    let run = simulate(system, 0.0, &vec![1.0; n], 2.0, &Settings::default()).unwrap();
+    let run = simulate(system, 0.0, &vec![1.0; n], 2.0, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     assert!(run.trajectory.final_state().iter().all(|&v| v == 0.0));
 }
@@ -201,13 +203,13 @@ fn many_blocks_that_stop_together_are_settled_without_enumeration() {
 #[test]
 fn misuse_is_an_error() {
     let system = || smooth(2, |_t, _x: &[f64], _s: &[f64], dx: &mut [f64]| dx.fill(0.0));
-    let settings = Settings::default();
+    let settings = SimulationSettings::default();
     assert_eq!(
         simulate(system(), 0.0, &[1.0], 1.0, &settings).unwrap_err(),
         SimError::WrongLength { what: "the state", expected: 2, found: 1 }
     );
     assert!(matches!(simulate(system(), 1.0, &[0.0; 2], 0.0, &settings), Err(SimError::BadTimeSpan { .. })));
-    let bad = Settings::default().with_tolerance(0.0, 1e-9);
+    let bad = SimulationSettings::default().with_tolerance(0.0, 1e-9);
     assert!(matches!(simulate(system(), 0.0, &[0.0; 2], 1.0, &bad), Err(SimError::BadSetting { name: "rtol", .. })));
 }
 
@@ -257,7 +259,7 @@ proptest! {
         drive in [0.5..6.0f64, 0.5..6.0f64],
         omega in 1.0..12.0f64,
     ) {
-        let run = simulate(pair(mu, drive, omega), 0.0, &[0.0; 4], 2.0, &Settings::default()).unwrap();
+        let run = simulate(pair(mu, drive, omega), 0.0, &[0.0; 4], 2.0, &SimulationSettings::default()).unwrap();
         prop_assert!(run.outcome.is_finished(), "{:?}", run.outcome);
         let reference = pair_fixed_step(mu, drive, omega, 2.0);
         for (x, r) in run.trajectory.final_state().iter().zip(reference) {
@@ -271,7 +273,7 @@ proptest! {
         drive in [0.5..6.0f64, 0.5..6.0f64],
         omega in 1.0..12.0f64,
     ) {
-        let settings = Settings::default();
+        let settings = SimulationSettings::default();
         let whole = simulate(pair(mu, drive, omega), 0.0, &[0.0; 4], 1.0, &settings).unwrap();
         let mut stepper = Stepper::new(pair(mu, drive, omega), 0.0, &[0.0; 4], &settings).unwrap();
         for i in 1..=100 {
@@ -376,7 +378,7 @@ proptest! {
         omega in [1.0..15.0f64, 1.0..15.0f64, 1.0..15.0f64, 1.0..15.0f64],
     ) {
         let stack = Stack { mass, friction, drive, omega };
-        let run = simulate(stack.clone(), 0.0, &[0.0; 4], 2.0, &Settings::default()).unwrap();
+        let run = simulate(stack.clone(), 0.0, &[0.0; 4], 2.0, &SimulationSettings::default()).unwrap();
         prop_assert!(run.outcome.is_finished(), "{:?}", run.outcome);
         let reference = stack.fixed_step(2.0, 5e-5);
         for (v, r) in run.trajectory.final_state().iter().zip(reference) {
@@ -389,7 +391,7 @@ proptest! {
             for j in 0..4 {
                 let relative = v[j] - if j > 0 { v[j - 1] } else { 0.0 };
                 match run.trajectory.mode(j, t).unwrap() {
-                    Mode::Sticking => prop_assert!(relative.abs() < 1e-12, "joint {j} at {t}: {relative}"),
+                    FrictionMode::Sticking => prop_assert!(relative.abs() < 1e-12, "joint {j} at {t}: {relative}"),
                     sliding => prop_assert!(sliding.sign() * relative > -1e-12, "joint {j} at {t}: {relative}"),
                 }
             }

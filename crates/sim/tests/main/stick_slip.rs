@@ -1,6 +1,6 @@
 //! Dry friction with known answers: times of stopping and breaking loose, sticking forces, no creep.
 
-use bracketry_sim::{Closures, Mode, Settings, Simulation, Switched, simulate};
+use bracketry_sim::{Closures, FrictionMode, Simulation, SimulationSettings, Switched, simulate};
 
 const G: f64 = 9.81;
 
@@ -19,7 +19,7 @@ fn block(mu: f64, a: impl Fn(f64) -> f64) -> impl Switched {
 }
 
 fn run(system: impl Switched, x0: &[f64], t_end: f64) -> Simulation {
-    let run = simulate(system, 0.0, x0, t_end, &Settings::default()).unwrap();
+    let run = simulate(system, 0.0, x0, t_end, &SimulationSettings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     run
 }
@@ -44,7 +44,7 @@ fn a_slide_stops_at_v_over_mu_g_and_stays() {
         let run = run(block(mu, |_| 0.0), &[0.2, v0], 20.0);
         let events = run.trajectory.mode_changes();
         assert_eq!(events.len(), 1);
-        assert_eq!(events[0].to, Mode::Sticking);
+        assert_eq!(events[0].to, FrictionMode::Sticking);
         assert!((events[0].t - v0.abs() / (mu * G)).abs() < 1e-10);
         let way = 0.2 + v0 * v0.abs() / (2.0 * mu * G);
         assert!((run.trajectory.final_state()[0] - way).abs() < 1e-9);
@@ -65,7 +65,10 @@ fn an_incline_holds_below_the_friction_angle_and_slides_above() {
         let a = if slides { -G * sin + mu * G * cos } else { 0.0 };
         assert!((run.trajectory.final_state()[1] - a * 3.0).abs() < 1e-9);
         assert!((run.trajectory.final_state()[0] - a * 4.5).abs() < 1e-9);
-        assert_eq!(run.trajectory.mode(0, 1.0), Some(if slides { Mode::Negative } else { Mode::Sticking }));
+        assert_eq!(
+            run.trajectory.mode(0, 1.0),
+            Some(if slides { FrictionMode::Negative } else { FrictionMode::Sticking })
+        );
     }
 }
 
@@ -78,7 +81,7 @@ fn an_incline_stops_an_uphill_slide_and_lets_a_steep_one_return() {
         let stop = v0 / (G * (sin + mu * cos));
         let event = run.trajectory.mode_changes()[0];
         assert!((event.t - stop).abs() < 1e-10);
-        assert_eq!(event.to, if returns { Mode::Negative } else { Mode::Sticking });
+        assert_eq!(event.to, if returns { FrictionMode::Negative } else { FrictionMode::Sticking });
         let v = if returns { -G * (sin - mu * cos) * (2.0 - stop) } else { 0.0 };
         assert!((run.trajectory.final_state()[1] - v).abs() < 1e-9);
     }
@@ -98,7 +101,12 @@ fn a_block_on_a_vibrating_base_switches_at_the_analytic_times() {
     assert!(t3 > t2);
     let run = run(block(mu, move |t| a * (omega * t).sin()), &[0.0, 0.0], 0.95);
     let events = run.trajectory.mode_changes();
-    let expected = [(t1, Mode::Positive), (t2, Mode::Sticking), (t3, Mode::Negative), (t3 + t2 - t1, Mode::Sticking)];
+    let expected = [
+        (t1, FrictionMode::Positive),
+        (t2, FrictionMode::Sticking),
+        (t3, FrictionMode::Negative),
+        (t3 + t2 - t1, FrictionMode::Sticking),
+    ];
     assert_eq!(events.len(), expected.len(), "{events:?}");
     for (event, (t, to)) in events.iter().zip(expected) {
         assert!((event.t - t).abs() < 1e-10, "{} {t}", event.t);
@@ -119,7 +127,7 @@ fn strong_vibration_passes_through_zero_without_sticking() {
     let run = run(block(mu, move |t| a * (omega * t).sin()), &[0.0, 0.0], 80.0);
     let late: Vec<_> = run.trajectory.mode_changes().iter().filter(|e| e.t > 70.0).collect();
     assert!(late.len() > 20);
-    assert!(late.iter().all(|e| e.to != Mode::Sticking));
+    assert!(late.iter().all(|e| e.to != FrictionMode::Sticking));
     // Steady state: reversals half a period apart.
     for pair in late.windows(2) {
         assert!((pair[1].t - pair[0].t - std::f64::consts::PI / omega).abs() < 1e-6);
@@ -134,7 +142,7 @@ fn the_shortest_excursion_of_the_sticking_force_is_found() {
     let run = run(block(0.3, move |t| f * 1.00001 * (omega * t).sin()), &[0.0, 0.0], 1.0);
     let first = run.trajectory.mode_changes()[0];
     assert!((first.t - (1.0f64 / 1.00001).asin() / omega).abs() < 1e-10);
-    let breaks = run.trajectory.mode_changes().iter().filter(|e| e.from == Mode::Sticking).count();
+    let breaks = run.trajectory.mode_changes().iter().filter(|e| e.from == FrictionMode::Sticking).count();
     assert_eq!(breaks, 2000);
 }
 
@@ -172,7 +180,7 @@ fn two_blocks_that_stop_together_both_stick() {
     let stop = 1.0 / (mu * G);
     let events = run.trajectory.mode_changes();
     assert_eq!(events.len(), 2);
-    assert!(events.iter().all(|e| e.to == Mode::Sticking && (e.t - stop).abs() < 1e-10));
+    assert!(events.iter().all(|e| e.to == FrictionMode::Sticking && (e.t - stop).abs() < 1e-10));
     let x = run.trajectory.final_state();
     assert!((x[0] - stop / 2.0).abs() < 1e-9 && (x[1] + stop).abs() < 1e-9);
 }

@@ -1,7 +1,7 @@
 //! Hessians, values at points and Taylor polynomials.
 
 use crate::common::{Kind, NAMES, cases, generator, point, random, value_and_size, values};
-use bracketry_symbolic::{Bindings, Expr, PointError, Pool, Symbol};
+use bracketry_symbolic::{Bindings, EvaluationError, Expr, Pool, Symbol};
 use proptest::prelude::*;
 use rand::RngExt;
 
@@ -153,7 +153,7 @@ fn where_there_is_no_polynomial_the_function_is_named() {
         ("x^(5/3)", "x^(5/3)"),
     ] {
         let e = p.parse(f).unwrap();
-        assert_eq!(p.taylor(e, &[(x, o)], 2), Err(PointError::NotSmooth { text: named.into() }));
+        assert_eq!(p.taylor(e, &[(x, o)], 2), Err(EvaluationError::NotSmooth { text: named.into() }));
     }
     for (f, named) in [
         ("y/x", "1/x"),
@@ -162,13 +162,13 @@ fn where_there_is_no_polynomial_the_function_is_named() {
         ("x^(-1/2)", "1/sqrt(x)"),
     ] {
         let e = p.parse(f).unwrap();
-        assert_eq!(p.taylor(e, &[(x, o)], 2), Err(PointError::NoValue { text: named.into() }), "{f}");
+        assert_eq!(p.taylor(e, &[(x, o)], 2), Err(EvaluationError::NoValue { text: named.into() }), "{f}");
     }
     let e = p.parse("asin(x)").unwrap();
     let one = p.int(1);
-    assert_eq!(p.taylor(e, &[(x, one)], 1), Err(PointError::NotSmooth { text: "asin(x)".into() }));
+    assert_eq!(p.taylor(e, &[(x, one)], 1), Err(EvaluationError::NotSmooth { text: "asin(x)".into() }));
     let many: Vec<_> = (0..20).map(|i| (p.symbol(&format!("v{i}")), o)).collect();
-    assert_eq!(p.taylor(e, &many, 20), Err(PointError::TooManyTerms { variables: 20, degree: 20 }));
+    assert_eq!(p.taylor(e, &many, 20), Err(EvaluationError::TooManyTerms { variables: 20, degree: 20 }));
 }
 
 #[test]
@@ -177,9 +177,9 @@ fn values_that_do_not_exist_are_refused() {
     let (x, y, o) = (p.symbol("x"), p.symbol("y"), p.int(0));
     // 0/0 is no number, though a product with 0 would be 0.
     let e = p.parse("x/y").unwrap();
-    assert_eq!(p.at(e, &[(x, o), (y, o)]), Err(PointError::NoValue { text: "1/y".into() }));
+    assert_eq!(p.at(e, &[(x, o), (y, o)]), Err(EvaluationError::NoValue { text: "1/y".into() }));
     let e = p.parse("x*log(x)").unwrap();
-    assert_eq!(p.at(e, &[(x, o)]), Err(PointError::NoValue { text: "log(x)".into() }));
+    assert_eq!(p.at(e, &[(x, o)]), Err(EvaluationError::NoValue { text: "log(x)".into() }));
     // All at once: x and y change places.
     let e = p.parse("x - 2*y").unwrap();
     let (ex, ey) = (p.sym(x), p.sym(y));

@@ -7,7 +7,7 @@
 mod export;
 mod tally;
 
-use bracketry_diagnose::Settings;
+use bracketry_diagnose::DiagnosisSettings;
 use bracketry_trials::{Choice, SliderEffect, SliderSensors, SliderTrial};
 use clap::Parser;
 use rayon::prelude::*;
@@ -82,7 +82,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return export::export(&trials, directory);
     }
     let (begin, done) = (Instant::now(), AtomicU64::new(0));
-    let mut settings = Settings::default();
+    let mut settings = DiagnosisSettings::default();
     settings.study.window = options.window;
     let file = options.json.as_ref().map(File::create).transpose()?.map(Mutex::new);
     let run = |trial: &SliderTrial| {

@@ -3,7 +3,7 @@
 use anyhow::Context;
 use bracketry_plate::Shape;
 use bracketry_plot::{
-    Color, Dash, Drawing, Outline, Panel, PlanView, Pose, Scene, Series, TimeSeries, Trajectory, XyChart,
+    Color, Dash, Drawing, Outline, Panel, PlanView, Pose, RecordedMotion, Scene, Series, TimeSeries, XyChart,
 };
 use bracketry_trials::{Tolerance, TrialOutcome, TrialReport, TrialRun, TrialSetup, pose_error};
 use std::f64::consts::TAU;
@@ -161,7 +161,7 @@ impl Figures {
         let until = report.outcome.time().unwrap_or(f64::INFINITY) + 0.05;
         let shown: Vec<&[f64; 6]> = run.samples.iter().filter(|s| s.t <= until).map(|s| &s.object).collect();
         let column = |i: usize| shown.iter().map(|s| s[i]).collect::<Vec<f64>>();
-        let motion = Trajectory::new("", &t[..shown.len()], column(0), column(1), column(2));
+        let motion = RecordedMotion::new("", &t[..shown.len()], column(0), column(1), column(2));
         let scene = Scene::new("", outline(&setup.object.shape)).trajectory(motion).target(Pose::new(
             trial.target[0],
             trial.target[1],

@@ -3,7 +3,7 @@
 use super::effect::SliderEffect;
 use super::error::SyntheticError;
 use super::excitation::Excitation;
-use bracketry_sim::{Hold, Inputs, Model, Samples, Settings, simulate};
+use bracketry_sim::{Hold, Inputs, Model, Samples, SimulationSettings, simulate};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -245,7 +245,7 @@ impl Slider {
         let mut x0 = vec![0.0, 0.0];
         x0.extend(effects.iter().flat_map(|hidden| hidden.effect.physics().states).map(|state| state.2));
         let end = times[times.len() - 1];
-        let run = simulate(model.clone(), times[0], &x0, end, &Settings::default())?;
+        let run = simulate(model.clone(), times[0], &x0, end, &SimulationSettings::default())?;
         if !run.outcome.is_finished() {
             return Err(SyntheticError::Ended(run.outcome));
         }

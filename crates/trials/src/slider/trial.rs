@@ -4,7 +4,7 @@ use super::effect::SliderEffect;
 use super::error::SyntheticError;
 use super::experiment::{Slider, SliderLog, SliderSensors};
 use super::score::Score;
-use bracketry_diagnose::{RecordSettings, Report, Settings, diagnose, read_record};
+use bracketry_diagnose::{DiagnosisSettings, RecordSettings, Report, diagnose, read_record};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::seq::IndexedRandom;
@@ -76,7 +76,7 @@ impl SliderTrial {
     ///
     /// # Errors
     /// A log that cannot be made, and what the diagnosis refuses.
-    pub fn run(&self, settings: &Settings) -> Result<(Report, Score), Box<dyn Error>> {
+    pub fn run(&self, settings: &DiagnosisSettings) -> Result<(Report, Score), Box<dyn Error>> {
         let log = self.log()?;
         let (process, number) = (std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
         let path = std::env::temp_dir().join(format!("hidden_effect_{process}_{number}.csv"));
@@ -90,7 +90,7 @@ impl SliderTrial {
 }
 
 /// What a diagnosis says that is given a CSV and the text of a model.
-fn verdict(csv: &Path, model: &str, settings: &Settings) -> Result<Report, Box<dyn Error>> {
+fn verdict(csv: &Path, model: &str, settings: &DiagnosisSettings) -> Result<Report, Box<dyn Error>> {
     let system = System::parse("slider.toml", model)?;
     let record = read_record(csv, &system, &RecordSettings::default())?;
     Ok(diagnose(&system, &[record], &[], settings, &mut |_| {})?)

@@ -2,7 +2,7 @@
 //!
 //! Seeds are fixed here; `cargo run --release -p bracketry-trials --example hidden_effects --features measure` takes any, and many more.
 
-use bracketry_diagnose::Settings;
+use bracketry_diagnose::DiagnosisSettings;
 use bracketry_trials::{Choice, Score, SliderSensors, SliderTrial};
 
 const XV: SliderSensors = SliderSensors::PositionAndVelocity;
@@ -13,7 +13,7 @@ fn scores(choice: Choice, sensors: SliderSensors, size: f64, seeds: std::ops::Ra
     let score = |seed| {
         let mut trial = SliderTrial::draw(choice, sensors, size, false, seed);
         trial.slider.rate = 250.0;
-        let (report, score) = trial.run(&Settings::default()).unwrap();
+        let (report, score) = trial.run(&DiagnosisSettings::default()).unwrap();
         (score, format!("seed {seed}, {:?} hidden:\n{report:?}", trial.hidden))
     };
     seeds.map(score).collect()

@@ -1,13 +1,13 @@
 //! An iterate and what is known of it.
 
 use crate::qp::NonlinearProgram;
-use crate::trajectory::Trajectory;
-use crate::transcription::{Linearization, Merit, Transcription};
+use crate::trajectory::PlannedTrajectory;
+use crate::transcription::{Merit, ShootingLinearization, Transcription};
 
 /// Primal and dual variables.
 #[derive(Clone)]
 pub(super) struct Iterate {
-    pub(super) z: Trajectory,
+    pub(super) z: PlannedTrajectory,
     /// Slacks of soft constraints.
     pub(super) s: Vec<f64>,
     /// Distances t = c + s.
@@ -50,7 +50,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) problem: &'a mut Transcription,
     pub(super) program: &'a mut NonlinearProgram,
     pub(super) field: &'a [(usize, usize)],
-    pub(super) lin: Linearization,
+    pub(super) lin: ShootingLinearization,
     /// Factor of the objective.
     pub(super) factor: f64,
     c: Vec<f64>,
@@ -65,7 +65,7 @@ impl<'a> Evaluator<'a> {
         field: &'a [(usize, usize)],
     ) -> Self {
         let (c, multipliers, of_rows) = (Vec::new(), Vec::new(), Vec::new());
-        Self { problem, program, field, lin: Linearization::default(), factor: 1.0, c, multipliers, of_rows }
+        Self { problem, program, field, lin: ShootingLinearization::default(), factor: 1.0, c, multipliers, of_rows }
     }
 
     pub(super) fn states(&self) -> usize {
@@ -77,7 +77,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Values c of all rows, with slacks.
-    pub(super) fn constraints(&mut self, z: &Trajectory, s: &[f64]) -> Vec<f64> {
+    pub(super) fn constraints(&mut self, z: &PlannedTrajectory, s: &[f64]) -> Vec<f64> {
         let problem = &mut *self.problem;
         self.program.values(&mut problem.ocp, problem.k0, z, &self.lin, &mut self.c);
         let slack = |row: &crate::qp::NonlinearRow| row.slack.map_or(0.0, |i| s[i]);

@@ -5,7 +5,7 @@ use super::direction::{Direction, Model, System, corrected};
 use super::iterate::{Evaluator, Iterate, Values};
 use crate::error::{MpcError, check_flag};
 use crate::qp::NonlinearProgram;
-use crate::trajectory::Trajectory;
+use crate::trajectory::PlannedTrajectory;
 use crate::transcription::{Merit, Transcription};
 use bracketry_symbolic::StopFlag;
 
@@ -56,7 +56,7 @@ const SHRINKAGE: f64 = 5.0;
 
 /// A solution.
 pub(crate) struct InteriorSolution {
-    pub(crate) trajectory: Trajectory,
+    pub(crate) trajectory: PlannedTrajectory,
     /// Multipliers of the dynamics, and of all rows of the stage program.
     pub(crate) multipliers: Vec<f64>,
     pub(crate) row_multipliers: Vec<f64>,
@@ -102,7 +102,7 @@ impl<'a> InteriorPoint<'a> {
         problem: &'a mut Transcription,
         program: &'a mut NonlinearProgram,
         field: &'a [(usize, usize)],
-        guess: &Trajectory,
+        guess: &PlannedTrajectory,
         (barrier, tolerance, stop): (f64, f64, &StopFlag),
     ) -> Result<Option<InteriorSolution>, MpcError> {
         problem.choose_substeps(guess);
@@ -141,7 +141,7 @@ impl<'a> InteriorPoint<'a> {
         Ok(None)
     }
 
-    fn start(of: Evaluator<'a>, guess: &Trajectory, (barrier, tolerance): (f64, f64)) -> Option<Self> {
+    fn start(of: Evaluator<'a>, guess: &PlannedTrajectory, (barrier, tolerance): (f64, f64)) -> Option<Self> {
         let (n, m, steps) = (guess.states(), guess.inputs(), guess.steps());
         let mut z = guess.clone();
         for (j, &(low, high)) in of.problem.ocp.input_bounds.iter().enumerate() {
@@ -196,7 +196,7 @@ impl<'a> InteriorPoint<'a> {
     }
 
     /// Distances of constraints from their bounds, where there are too small ones larger.
-    pub(super) fn distances(&mut self, z: &Trajectory, s: &[f64]) -> Vec<f64> {
+    pub(super) fn distances(&mut self, z: &PlannedTrajectory, s: &[f64]) -> Vec<f64> {
         let c = self.of.constraints(z, s);
         c.iter().zip(&self.of.program.rows).map(|(c, row)| c.max(PUSH * row.scale)).collect()
     }

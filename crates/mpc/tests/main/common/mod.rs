@@ -3,7 +3,7 @@
 pub(crate) mod noise;
 pub(crate) mod reports;
 
-use bracketry_sim::{ExactPlant, Settings};
+use bracketry_sim::{ExactPlant, SimulationSettings};
 use bracketry_system::System;
 use nalgebra::DMatrix;
 use std::path::PathBuf;
@@ -35,5 +35,5 @@ pub(crate) fn double_integrator() -> System {
 
 /// A system with set-valued friction.
 pub(crate) fn exact_plant(system: &System, x0: &[f64]) -> ExactPlant {
-    ExactPlant::new(system, x0, &Settings::default()).unwrap()
+    ExactPlant::new(system, x0, &SimulationSettings::default()).unwrap()
 }

@@ -1,6 +1,6 @@
 //! The section on what holds at the point of the model.
 
-use bracketry_lie::{Analysis, Answer, Mode, PointReport, Stlc, Vanishing};
+use bracketry_lie::{Analysis, Answer, PointReport, Stlc, UncontrollableMode, Vanishing};
 
 use super::blocks::{Block, Line, item, math, section, text, words};
 use super::formulas::{bracket, complex, function};
@@ -86,7 +86,7 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
     out.push(Block::List(items));
 }
 
-fn uncontrollable(modes: &Answer<Vec<Mode>>) -> Line {
+fn uncontrollable(modes: &Answer<Vec<UncontrollableMode>>) -> Line {
     let name = "uncontrollable eigenvalues of the linearization: ";
     let modes = match modes {
         Answer::Unknown(why) => return vec![text(format!("{name}unknown ({why})"))],

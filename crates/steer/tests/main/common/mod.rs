@@ -1,6 +1,6 @@
 //! Models and checks of the tests.
 
-use bracketry_sim::{Model, Settings, simulate};
+use bracketry_sim::{Model, SimulationSettings, simulate};
 use bracketry_steer::{SteerOptions, SteerStatus, Steering, steer};
 use bracketry_system::System;
 
@@ -35,7 +35,7 @@ pub(crate) fn replayed(system: &System, found: &Steering) -> Vec<f64> {
     let signals = found.signals.as_ref().unwrap();
     let inputs = signals.inputs(&found.system.input_names()).unwrap();
     let model = Model::new(&bracketry_steer::own_inputs(system).unwrap(), &inputs).unwrap();
-    let settings = Settings::default().with_tolerance(1e-10, 1e-12);
+    let settings = SimulationSettings::default().with_tolerance(1e-10, 1e-12);
     let run = simulate(model, 0.0, &found.from, signals.duration(), &settings).unwrap();
     assert!(run.outcome.is_finished());
     run.trajectory.final_state().to_vec()
