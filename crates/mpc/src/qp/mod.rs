@@ -14,6 +14,7 @@ mod exact_hessian;
 mod filling;
 mod nonlinear;
 mod program;
+mod recursion;
 mod sparsity;
 mod stagewise;
 #[cfg(test)]
@@ -22,6 +23,7 @@ mod tests;
 pub use backend::{ProgramForm, QpBackend, QpSettings, QpStatus, StageSolution};
 pub(crate) use nonlinear::{NonlinearProgram, NonlinearRow, NonlinearSlack};
 pub use program::StageProgram;
+pub(crate) use recursion::{Recursion, Shape};
 
 use crate::controller::SolverEffort;
 use crate::error::MpcError;

@@ -7,6 +7,7 @@
 //! Letters 76, 2015).
 
 use super::super::program::StageProgram;
+use super::super::recursion::Shape;
 use bracketry_numerics::rows::{Strided, add_multiple, add_product, dot};
 
 /// A place of the Hessian among (x_k, u_k) with its slot in the program.
@@ -22,9 +23,8 @@ struct Curvature {
 pub(super) struct Block {
     pub(super) first: usize,
     pub(super) length: usize,
-    /// Number of inputs, and of states at the start, which the first block has not: its state is given.
-    pub(super) inputs: usize,
-    pub(super) states: usize,
+    /// Numbers of variables; the first block has no states: its own is given.
+    pub(super) shape: Shape,
     /// States at the grid points first + 1 … first + length, n rows each.
     ends: Vec<f64>,
     /// Upper triangle of the Hessian, and the gradient in the last column.
@@ -34,27 +34,32 @@ pub(super) struct Block {
 impl Block {
     /// Number of variables.
     pub(super) fn size(&self) -> usize {
-        self.inputs + self.states
+        self.shape.size()
     }
 
     /// Distance of rows.
     pub(super) fn stride(&self) -> usize {
-        self.size() + 1
+        self.shape.stride()
     }
 
     /// Column of the first input of the interval `i` of the block.
     pub(super) fn column(&self, i: usize) -> usize {
-        self.inputs / self.length * (self.length - 1 - i)
+        self.shape.inputs / self.length * (self.length - 1 - i)
     }
 
     /// First column that the state at grid point `i` of the block depends on.
     pub(super) fn first_column(&self, i: usize) -> usize {
-        if i == 0 { self.inputs } else { self.column(i - 1) }
+        if i == 0 { self.shape.inputs } else { self.column(i - 1) }
     }
 
     /// The gradient where w = 0.
     pub(super) fn gradient(&self) -> impl Iterator<Item = f64> {
         self.hessian.iter().skip(self.size()).step_by(self.stride()).copied()
+    }
+
+    /// The state at its end, n rows.
+    pub(super) fn flow(&self, n: usize) -> &[f64] {
+        self.state(self.length, n)
     }
 
     /// The state at grid point `i` ≥ 1 of the block, n rows.
@@ -76,7 +81,7 @@ impl Block {
         if i > 0 {
             let start = a * self.stride();
             add_multiple(to, factor, &self.state(i, n)[start + self.first_column(i)..start + self.stride()]);
-        } else if self.states > 0 {
+        } else if self.shape.states > 0 {
             to[a] += factor;
         }
     }
@@ -114,10 +119,9 @@ impl Blocks {
         let mut all = Vec::new();
         for first in (0..steps).step_by(length) {
             let length = length.min(steps - first);
-            let (inputs, states) = (length * m, if first > 0 { n } else { 0 });
-            let stride = inputs + states + 1;
-            let (ends, hessian) = (vec![0.0; length * n * stride], vec![0.0; (inputs + states) * stride]);
-            all.push(Block { first, length, inputs, states, ends, hessian });
+            let shape = Shape { inputs: length * m, states: if first > 0 { n } else { 0 } };
+            let (ends, hessian) = (vec![0.0; length * n * shape.stride()], vec![0.0; shape.size() * shape.stride()]);
+            all.push(Block { first, length, shape, ends, hessian });
         }
         let widest = all.iter().map(Block::stride).max()?;
         Some(Self { n, m, all, curvature, slope: vec![0.0; n * widest], next: vec![0.0; n * widest] })
@@ -134,7 +138,7 @@ impl Blocks {
         let (block, i) = self.find(k);
         let block = &self.all[block];
         match entries.first() {
-            Some(&(place, _)) if place < self.n => block.inputs + place,
+            Some(&(place, _)) if place < self.n => block.shape.inputs + place,
             Some(&(place, _)) => block.column(i) + place - self.n,
             None => 0,
         }
@@ -150,7 +154,7 @@ impl Blocks {
     fn simulate(&mut self, j: usize, program: &StageProgram, flow: &[f64]) {
         let (n, m) = (self.n, self.m);
         let (w, block) = (n + m, &mut self.all[j]);
-        let (stride, inputs) = (block.stride(), block.inputs);
+        let (stride, inputs) = (block.stride(), block.shape.inputs);
         for i in 0..block.length {
             let k = block.first + i;
             let (column, known) = (block.column(i), block.first_column(i));
@@ -160,7 +164,7 @@ impl Blocks {
                 to.fill(0.0);
                 to[column..column + m].copy_from_slice(&flow[r * w + n..(r + 1) * w]);
                 to[stride - 1] = program.defect[k * n + r];
-                if i == 0 && block.states > 0 {
+                if i == 0 && block.shape.states > 0 {
                     to[inputs..inputs + n].copy_from_slice(&flow[r * w..r * w + n]);
                 }
             }
@@ -177,7 +181,7 @@ impl Blocks {
         let (w, last) = (n + m, j + 1 == self.all.len());
         let Self { all, curvature, slope, next, .. } = self;
         let block = &mut all[j];
-        let (stride, size, inputs) = (block.stride(), block.size(), block.inputs);
+        let (stride, size, inputs) = (block.stride(), block.size(), block.shape.inputs);
         let mut hessian = std::mem::take(&mut block.hessian);
         hessian.fill(0.0);
         slope[..n * stride].fill(0.0);
@@ -206,7 +210,7 @@ impl Blocks {
                     hessian[(column + l) * stride + size] += program.gradient[program.input(k, l)];
                 }
             }
-            let has_state = i > 0 || block.states > 0;
+            let has_state = i > 0 || block.shape.states > 0;
             for a in (0..n).filter(|_| has_state) {
                 next[a * stride + size] += program.gradient[program.state(k, a)];
             }
@@ -231,7 +235,7 @@ impl Blocks {
             std::mem::swap(slope, next);
             curved = true;
         }
-        for a in 0..block.states {
+        for a in 0..block.shape.states {
             let (to, from) = ((inputs + a) * stride, a * stride);
             hessian[to + inputs + a..to + stride].copy_from_slice(&slope[from + inputs + a..from + stride]);
         }

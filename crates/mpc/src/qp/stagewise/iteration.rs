@@ -5,9 +5,9 @@
 //! of the inequalities, and complementarity.
 
 use super::super::program::StageProgram;
+use super::super::recursion::Recursion;
 use super::blocks::{Block, Blocks};
 use super::constraints::{Constraints, Function};
-use super::recursion::Recursion;
 use bracketry_numerics::rows::{add_multiple, add_symmetric_times};
 
 /// First distance from a bound and first complementarity, in units of the sizes.
@@ -102,7 +102,7 @@ impl InteriorPoint {
         let functions = constraints.functions.len();
         let point = Point::zero(blocks, functions, rows);
         Self {
-            recursion: Recursion::new(blocks),
+            recursion: Recursion::new(blocks.n, blocks.all.iter().map(|b| b.shape).collect()),
             slope: point.w.clone(),
             right: point.w.clone(),
             terms: point.w.clone(),
@@ -172,7 +172,7 @@ impl InteriorPoint {
         if !self.factorize(of) {
             return false;
         }
-        self.recursion.solve(of.blocks, &self.slope, true, &mut self.at.w);
+        self.recursion.solve(|j| of.flow(j), &self.slope, true, &mut self.at.w);
         of.constraints.values(&self.at.w, &mut self.values);
         for (i, f) in of.constraints.functions.iter().enumerate() {
             let scale = of.program.row_scale[f.upper];
@@ -276,18 +276,18 @@ impl InteriorPoint {
             right.copy_from_slice(&self.slope[j]);
             let stride = block.stride();
             if j + 1 < of.blocks.all.len() {
-                for (row, y) in block.state(block.length, n).chunks_exact(stride).zip(&self.multiplier) {
+                for (row, y) in block.flow(n).chunks_exact(stride).zip(&self.multiplier) {
                     add_multiple(right, *y, &row[..block.size()]);
                 }
             }
-            if block.states > 0 {
-                self.multiplier.copy_from_slice(&right[block.inputs..]);
+            if block.shape.states > 0 {
+                self.multiplier.copy_from_slice(&right[block.shape.inputs..]);
             }
             let small = |i: usize| {
                 let size = program.scale[of.input(block, i)];
                 right[i].abs() * size <= tolerance * unit.max(self.terms[j][i] * size)
             };
-            if !(0..block.inputs).all(small) {
+            if !(0..block.shape.inputs).all(small) {
                 return false;
             }
         }
@@ -301,8 +301,12 @@ impl InteriorPoint {
 
     fn factorize(&mut self, of: &Problem<'_>) -> bool {
         let weights = &self.weights;
-        let add = |j: usize, m: &mut [f64]| of.constraints.add_squares(j, &of.blocks.all[j], weights, m);
-        self.recursion.factorize(of.blocks, add)
+        let fill = |j: usize, m: &mut [f64]| {
+            let block = &of.blocks.all[j];
+            m.copy_from_slice(&block.hessian);
+            of.constraints.add_squares(j, block, weights, m);
+        };
+        self.recursion.factorize(|j| of.flow(j), fill)
     }
 
     /// One step; its length, `None` where the linear system has no solution.
@@ -381,7 +385,7 @@ impl InteriorPoint {
             right.copy_from_slice(&self.slope[j]);
             of.constraints.add_forces(j, &self.forces, right);
         }
-        self.recursion.solve(of.blocks, &self.right, false, &mut self.step.w);
+        self.recursion.solve(|j| of.flow(j), &self.right, false, &mut self.step.w);
         of.constraints.values(&self.step.w, &mut self.moved);
         for (i, f) in of.constraints.functions.iter().enumerate() {
             let e = self.eliminated[i];
@@ -428,7 +432,12 @@ struct Problem<'a> {
     constraints: &'a Constraints,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    /// The state at the end of a block.
+    fn flow(&self, j: usize) -> &'a [f64] {
+        self.blocks.all[j].flow(self.blocks.n)
+    }
+
     /// All rows of the program.
     fn rows(&self) -> std::ops::Range<usize> {
         0..self.program.right.len()

@@ -5,7 +5,6 @@
 mod blocks;
 mod constraints;
 mod iteration;
-mod recursion;
 #[cfg(test)]
 mod tests;
 

@@ -1,7 +1,7 @@
 //! Newton's direction, with curvature added until it is one of descent.
 
 use super::iterate::{Evaluator, Iterate, Values};
-use super::recursion::Recursion;
+use crate::qp::{Recursion, Shape};
 
 /// Curvature that is added to every variable in units of its size where there is too little: the first one tried, the largest, and the
 /// factors from try to try and from step to step.
@@ -36,6 +36,8 @@ pub(super) struct Direction {
 pub(super) struct System {
     recursion: Recursion,
     hessian: Vec<f64>,
+    /// Derivative of every interval's end by (du, dx), with its defect in the last column.
+    flow: Vec<Vec<f64>>,
     /// Slope of the cost.
     pub(super) slope: Vec<f64>,
     slack_slope: Vec<f64>,
@@ -50,8 +52,11 @@ pub(super) struct System {
 
 impl System {
     pub(super) fn new(n: usize, m: usize, steps: usize) -> Self {
+        let shape = |k| Shape { inputs: if k < steps { m } else { 0 }, states: if k == 0 { 0 } else { n } };
+        let shapes: Vec<Shape> = (0..=steps).map(shape).collect();
         Self {
-            recursion: Recursion::new(n, m, steps),
+            flow: shapes[..steps].iter().map(|s| vec![0.0; n * s.stride()]).collect(),
+            recursion: Recursion::new(n, shapes),
             hessian: vec![0.0; steps * (n + m) * (n + m) + n * n],
             slope: Vec::new(),
             slack_slope: Vec::new(),
@@ -75,11 +80,24 @@ impl System {
         let slacks = of.program.slacks.iter();
         self.slack_slope =
             slacks.clone().zip(&point.s).map(|(p, s)| factor * (p.linear + 2.0 * p.quadratic * s)).collect();
+        let (n, w) = (of.states(), of.width());
+        for (flow, jacobian) in self.flow.iter_mut().zip(of.lin.jacobian.chunks_exact(n * w)) {
+            let stride = flow.len() / n;
+            for (to, from) in flow.chunks_exact_mut(stride).zip(jacobian.chunks_exact(w)) {
+                to[..w - n].copy_from_slice(&from[n..]);
+                to[w - n..stride - 1].copy_from_slice(&from[..stride - 1 - (w - n)]);
+            }
+        }
         let mut shift = least;
         let mut tried = false;
         loop {
             self.assemble(of, shift);
-            if self.recursion.factorize(&self.hessian, &of.lin.jacobian) {
+            let (flow, hessian) = (&self.flow, &self.hessian);
+            let fill = |k: usize, to: &mut [f64]| {
+                let inputs = if k < flow.len() { w - n } else { 0 };
+                upper_triangle(&hessian[k * w * w..], (inputs, n), if k == 0 { inputs } else { inputs + n }, to);
+            };
+            if self.recursion.factorize(|k| &flow[k], fill) {
                 if tried || shift > 0.0 {
                     self.shift = shift;
                 }
@@ -164,16 +182,35 @@ impl System {
                 of.program.row(i).for_each(|(place, a)| q[p.k * w + place] -= a * share);
             }
         }
+        let m = w - n;
+        for (flow, c) in self.flow.iter_mut().zip(defects.chunks_exact(n)) {
+            let stride = flow.len() / n;
+            flow.chunks_exact_mut(stride).zip(c).for_each(|(row, c)| row[stride - 1] = *c);
+        }
+        let gradients: Vec<Vec<f64>> = (0..=steps)
+            .map(|k| {
+                let (states, inputs) = q[k * w..(k * w + w).min(q.len())].split_at(n);
+                inputs.iter().chain(states.iter().filter(|_| k > 0)).copied().collect()
+            })
+            .collect();
+        let mut stages = gradients.clone();
+        self.recursion.solve(|k| &self.flow[k], &gradients, true, &mut stages);
         let mut d = Direction {
-            dx: vec![0.0; (steps + 1) * n],
-            du: vec![0.0; steps * (w - n)],
+            dx: vec![0.0; n],
+            du: Vec::with_capacity(steps * m),
             ds: vec![0.0; point.s.len()],
             dt: residuals.to_vec(),
             dv: vec![0.0; rows.len()],
             y: vec![0.0; steps * n],
         };
-        self.recursion.solve(&q, defects, &of.lin.jacobian, (&mut d.dx, &mut d.du, &mut d.y));
-        let m = w - n;
+        for (k, stage) in stages.iter().enumerate() {
+            let (inputs, states) = stage.split_at(if k < steps { m } else { 0 });
+            d.du.extend(inputs);
+            d.dx.extend(states);
+            if k > 0 {
+                self.recursion.multipliers(k, stage, &mut d.y[(k - 1) * n..k * n]);
+            }
+        }
         for (i, row) in rows.iter().enumerate() {
             let step = |place: usize| if place < n { d.dx[row.k * n + place] } else { d.du[row.k * m + place - n] };
             d.dt[i] += of.program.row(i).map(|(place, a)| a * step(place)).sum::<f64>();
@@ -203,6 +240,17 @@ impl System {
         }
         sum += self.slack_slope.iter().zip(&d.ds).map(|(a, b)| a * b).sum::<f64>();
         sum - barrier * d.dt.iter().zip(&point.t).map(|(d, t)| d / t).sum::<f64>()
+    }
+}
+
+/// The upper triangle of the first `size` variables (u, x) of a block of (x, u), row by row at the distance size + 1.
+fn upper_triangle(block: &[f64], (inputs, states): (usize, usize), size: usize, to: &mut [f64]) {
+    let (width, place) = (inputs + states, |i: usize| if i < inputs { states + i } else { i - inputs });
+    for i in 0..size {
+        for j in i..size {
+            to[i * (size + 1) + j] =
+                f64::midpoint(block[place(i) * width + place(j)], block[place(j) * width + place(i)]);
+        }
     }
 }
 

@@ -8,7 +8,6 @@
 
 mod direction;
 mod iterate;
-mod recursion;
 mod restoration;
 mod solver;
 
