@@ -1,4 +1,4 @@
-//! Optimal control on Clarabel: multiple shooting, sequential quadratic programming, real-time iteration.
+//! Optimal control: multiple shooting, sequential quadratic programming, and real-time iteration, on a stagewise interior-point method and Clarabel.
 //!
 //! An [`Ocp`] states the problem
 //!

@@ -1,7 +1,7 @@
 //! What a solver of stage programs does, and its settings.
 
 use super::program::StageProgram;
-use crate::error::{MpcError, check_value};
+use crate::error::MpcError;
 
 /// The form in which the quadratic program is solved. The solution is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,13 +63,17 @@ impl Default for QpSettings {
 impl QpSettings {
     /// Whether the settings are within their ranges.
     pub(super) fn check(&self) -> Result<(), MpcError> {
-        let valid = self.tolerance > 0.0 && self.tolerance < 1.0 && self.time_limit > 0.0;
-        check_value(
-            valid,
-            "the tolerance of the quadratic program",
-            self.tolerance,
-            "give a tolerance between 0 and 1, and a positive time limit",
-        )
+        let valid = self.tolerance > 0.0 && self.tolerance < 1.0 && self.time_limit > 0.0 && self.max_iterations > 0;
+        if valid { Ok(()) } else { Err(self.out_of_range()) }
+    }
+
+    /// That they are not.
+    pub(super) fn out_of_range(&self) -> MpcError {
+        MpcError::Value {
+            what: "the tolerance of the quadratic program".into(),
+            value: self.tolerance,
+            remedy: "give a tolerance between 0 and 1, a positive time limit, and a positive number of iterations",
+        }
     }
 }
 

@@ -15,6 +15,7 @@ const STEEP: f64 = 1e3;
 
 impl QpSettings {
     fn clarabel(self) -> Result<DefaultSettings<f64>, MpcError> {
+        self.check()?;
         DefaultSettingsBuilder::default()
             .verbose(false)
             .max_iter(self.max_iterations)
@@ -29,11 +30,7 @@ impl QpSettings {
             .iterative_refinement_enable(self.refine)
             .max_threads(1)
             .build()
-            .map_err(|_| MpcError::Value {
-                what: "the tolerance of the quadratic program".into(),
-                value: self.tolerance,
-                remedy: "give a tolerance between 0 and 1, a positive time limit, and a positive number of iterations",
-            })
+            .map_err(|_| self.out_of_range())
     }
 }
 

@@ -59,6 +59,8 @@ struct Elimination {
     /// The slack moves by rest + share·aᵀdw.
     rest: f64,
     share: f64,
+    /// Stiffness of the slack: its own curvature and that of its rows.
+    stiffness: f64,
 }
 
 /// The method with its memory.
@@ -314,13 +316,13 @@ impl InteriorPoint {
         for (i, f) in of.constraints.functions.iter().enumerate() {
             let stiffness = |row: usize| self.at.v[row] / self.at.t[row];
             let (upper, lower) = (stiffness(f.upper), f.lower.map_or(0.0, stiffness));
-            self.eliminated[i].share = 0.0;
+            self.eliminated[i] = Elimination::default();
             self.weights[i] = upper + lower;
             if let Some(slack) = f.slack {
                 let own = of.program.hessian[slack.variable] + slack.bound.map_or(0.0, stiffness);
                 let whole = own + upper + lower;
                 self.weights[i] = ((upper + lower) * own + 4.0 * upper * lower) / whole;
-                self.eliminated[i].share = (upper - lower) / whole;
+                self.eliminated[i] = Elimination { rest: 0.0, share: (upper - lower) / whole, stiffness: whole };
             }
         }
         if !self.factorize(of) {
@@ -372,11 +374,8 @@ impl InteriorPoint {
                 of_slack -= slack * c;
             }
             let e = &mut self.eliminated[i];
-            e.rest = 0.0;
-            if let Some(slack) = f.slack {
-                let stiffness = |row: usize| self.at.v[row] / self.at.t[row];
-                let whole = of.program.hessian[slack.variable] + rows(f).map(|(row, ..)| stiffness(row)).sum::<f64>();
-                e.rest = of_slack / whole;
+            if f.slack.is_some() {
+                e.rest = of_slack / e.stiffness;
                 along -= e.share * of_slack;
             }
             self.forces[i] = along;

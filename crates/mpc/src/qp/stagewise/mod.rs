@@ -128,12 +128,15 @@ impl QpBackend for Stagewise {
         let accuracy = (self.settings.tolerance, self.settings.max_iterations);
         let (outcome, iterations) = self.method.solve(program, &self.blocks, &self.constraints, accuracy, spent);
         solution.iterations = iterations;
+        if outcome == Outcome::Failed {
+            return Ok(QpStatus::Failed);
+        }
         self.recover(program, solution);
         let whole = solution.z.iter().all(|v| v.is_finite());
         Ok(match outcome {
-            Outcome::Solved if whole => QpStatus::Solved,
+            _ if !whole => QpStatus::Failed,
             Outcome::Limit => QpStatus::Limit,
-            Outcome::Solved | Outcome::Failed => QpStatus::Failed,
+            Outcome::Solved | Outcome::Failed => QpStatus::Solved,
         })
     }
 }
