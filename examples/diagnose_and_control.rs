@@ -13,8 +13,10 @@
 
 use anyhow::Context;
 use bracketry::diagnose::{DiagnosisSettings, Record, RecordSettings, diagnose};
-use bracketry::mpc::{ControlProblem, ControlRun, Plant};
-use bracketry::plate::{PlateMismatch, RecordingSettings, multisine, synthetic_log, target_of};
+use bracketry::mpc::problem::ControlRun;
+use bracketry::mpc::{ControlProblem, Plant};
+use bracketry::plate::control::target_of;
+use bracketry::plate::recording::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
 use bracketry::plot::{Dash, Drawing, Panel, Role, Series, TimeSeries};
 use bracketry::system::System;
 use clap::Parser;

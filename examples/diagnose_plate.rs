@@ -18,9 +18,9 @@ use bracketry::report::diagnosis_text;
 use bracketry_diagnose::{
     Cause, DiagnosisSettings, Record, RecordSettings, Report, diagnose, read_record, reference_candidates,
 };
-use bracketry_plate::{
-    Experiment, Object, PlateLog, PlateMismatch, RecordingError, RecordingSettings, Shape, multisine, synthetic_log,
-};
+use bracketry_plate::experiment::Experiment;
+use bracketry_plate::recording::{PlateMismatch, RecordingError, RecordingSettings, multisine, synthetic_log};
+use bracketry_plate::{Object, PlateLog, Shape};
 use bracketry_sim::Hold;
 use bracketry_system::System;
 use bracketry_trials::Score;

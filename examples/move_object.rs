@@ -5,7 +5,8 @@
 
 use bracketry::control;
 use bracketry::plate::Shape;
-use bracketry::plate::{Arrival, plate_move};
+use bracketry::plate::control::Arrival;
+use bracketry::plate::plate_move;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mu: f64 = std::env::args().nth(1).map_or(Ok(0.25), |s| s.parse())?;

@@ -31,7 +31,8 @@ pub mod prelude;
 
 #[cfg(feature = "diagnose")]
 pub use bracketry_diagnose::diagnose;
-pub use bracketry_lie::{Analysis, AnalysisError, Influence, RankChange, Ranks, ReachTable, Reached, analyze};
+pub use bracketry_lie::analysis::{Influence, RankChange, Ranks, ReachTable, Reached};
+pub use bracketry_lie::{Analysis, AnalysisError, analyze};
 #[cfg(feature = "control")]
 pub use bracketry_mpc::{ControlError, Controlled, control, control_watched};
 #[cfg(feature = "report")]

@@ -1,9 +1,9 @@
 //! Model-predictive control, timed; see `control.py` for the others. Wall-clock seconds, medians over the samples.
 
-use bracketry::mpc::{
-    ClosedLoop, ControlProblem, Convergence, Feedback, Method, PlannedTrajectory, Plant, Rti, RtiSettings,
-    RungeKuttaPlant, Step, SymbolicDynamics,
-};
+use bracketry::mpc::closed_loop::{ClosedLoop, RungeKuttaPlant};
+use bracketry::mpc::controller::Step;
+use bracketry::mpc::problem::{Convergence, Feedback, Method};
+use bracketry::mpc::{ControlProblem, PlannedTrajectory, Plant, Rti, RtiSettings, SymbolicDynamics};
 use bracketry::system::System;
 use serde_json::{Value, json};
 

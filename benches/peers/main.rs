@@ -12,7 +12,8 @@ mod systems;
 use std::hint::black_box;
 use std::time::Duration;
 
-use bracketry::lie::{Evidence, HallBasis};
+use bracketry::lie::Evidence;
+use bracketry::lie::algebra::HallBasis;
 use bracketry::native::{Backend, Function, Workspace};
 use bracketry::symbolic::{Bindings, Pool};
 use cpu_time::ProcessTime;

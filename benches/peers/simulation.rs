@@ -1,6 +1,9 @@
 //! The plate's experiments, timed; see `simulation.py` for the others.
 
-use bracketry::plate::{AreaContact, AreaSettings, Experiment, Friction, Object, Shape, Terms, published, reduced};
+use bracketry::plate::area::{AreaContact, AreaSettings};
+use bracketry::plate::experiment::Experiment;
+use bracketry::plate::model::Terms;
+use bracketry::plate::{Friction, Object, Shape, published, reduced};
 use bracketry::sim::{Inputs, Model, SimulationSettings, Stepper};
 use bracketry::system::System;
 use serde_json::{Value, json};

@@ -71,13 +71,13 @@ fn a_one_sided_input_is_not_called_controllable() {
     assert_eq!(a.affinization.input_change[0].range().as_deref(), Some("v1 ≥ 0"));
     let point = a.report.at_point.unwrap();
     let point = point.known().unwrap();
-    assert_eq!(point.stlc.verdict, bracketry::lie::Verdict::No);
+    assert_eq!(point.stlc.verdict, bracketry::lie::controllability::Verdict::No);
     // v never falls.
     assert_eq!(point.stabilizable.as_ref().unwrap().known(), Some(&false));
     // Around u = 1 the same input goes both ways, but only u = 0 holds the state, at the end of the range.
     let system = bracketry::system::System::parse("m", &text.replace("u = 0", "u = 1")).unwrap();
     let a = bracketry::analyze(&system, &bracketry::lie::AnalysisOptions::default()).unwrap();
-    assert_ne!(a.report.at_point.unwrap().known().unwrap().stlc.verdict, bracketry::lie::Verdict::Yes);
+    assert_ne!(a.report.at_point.unwrap().known().unwrap().stlc.verdict, bracketry::lie::controllability::Verdict::Yes);
 }
 
 #[test]
@@ -134,15 +134,15 @@ fn one_sided_inputs_that_push_to_one_side_do_not_control() {
         a.report.at_point.unwrap().known().unwrap().stlc.verdict
     };
     // Three cables that can only pull: 120° apart they do control, all to one side they do not.
-    assert_ne!(verdict("x = 'a^2 - b^2/2 - c^2/2'\ny = 'b^2 - c^2'"), bracketry::lie::Verdict::No);
-    assert_ne!(verdict("x = 'a^2 + b^2/2 + c^2/2'\ny = 'b^2 - c^2'"), bracketry::lie::Verdict::Yes);
-    assert_eq!(verdict("x = 'a^2'\ny = 'x + b'"), bracketry::lie::Verdict::No);
-    assert_eq!(verdict("x = 'a^2 - b^2'\ny = 'c'"), bracketry::lie::Verdict::Yes);
+    assert_ne!(verdict("x = 'a^2 - b^2/2 - c^2/2'\ny = 'b^2 - c^2'"), bracketry::lie::controllability::Verdict::No);
+    assert_ne!(verdict("x = 'a^2 + b^2/2 + c^2/2'\ny = 'b^2 - c^2'"), bracketry::lie::controllability::Verdict::Yes);
+    assert_eq!(verdict("x = 'a^2'\ny = 'x + b'"), bracketry::lie::controllability::Verdict::No);
+    assert_eq!(verdict("x = 'a^2 - b^2'\ny = 'c'"), bracketry::lie::controllability::Verdict::Yes);
 }
 
 #[test]
 fn inputs_that_hold_the_point_must_lie_in_their_range() {
-    use bracketry::lie::Verdict::{No, Yes};
+    use bracketry::lie::controllability::Verdict::{No, Yes};
     let verdict = |rate: &str, u: &str| {
         let text = format!("states = ['x']\ninputs = ['u']\n[dynamics]\nx = '{rate}'\n[point]\nu = {u}");
         let system = bracketry::system::System::parse("m", &text).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! Fixed seeds and short logs; `cargo run --release --example diagnose_plate` draws as many effects as one likes.
 
-use bracketry::plate::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
+use bracketry::plate::recording::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
 use bracketry_diagnose::{Cause, DiagnosisSettings, Record, RecordSettings, Study, StudySettings, Verdict, diagnose};
 use bracketry_system::System;
 

@@ -4,7 +4,8 @@
 use std::sync::OnceLock;
 
 use bracketry::mpc::ControlProblem;
-use bracketry::plate::{Arrival, Shape, plate_move};
+use bracketry::plate::control::Arrival;
+use bracketry::plate::{Shape, plate_move};
 use bracketry::sim::FrictionMode;
 use bracketry::{Controlled, control};
 

@@ -1,7 +1,8 @@
 //! Verdicts at a point that an affine form or a linearization alone would get wrong, and values that have none.
 
 use bracketry::Analysis;
-use bracketry::lie::{Answer, PointReport, Verdict};
+use bracketry::lie::Answer;
+use bracketry::lie::controllability::{PointReport, Verdict};
 use bracketry::system::System;
 
 fn analysis(states: &str, inputs: &str, dynamics: &str, rest: &str) -> Analysis {

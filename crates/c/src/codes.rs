@@ -2,7 +2,9 @@
 
 use std::ffi::{CStr, c_char};
 
-use bracketry_mpc::{FallbackReason, InputSource, LiveStep, QpStatus, StepStatus};
+use bracketry_mpc::controller::{FallbackReason, InputSource, StepStatus};
+use bracketry_mpc::live::LiveStep;
+use bracketry_mpc::qp::QpStatus;
 
 /// Whether a call worked.
 #[repr(C)]

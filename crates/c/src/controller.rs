@@ -2,7 +2,8 @@
 
 use std::ffi::{CString, c_char};
 
-use bracketry_mpc::{ControlProblem, LiveController, ProblemError};
+use bracketry_mpc::problem::ProblemError;
+use bracketry_mpc::{ControlProblem, LiveController};
 use bracketry_system::{Accepted, System};
 
 use crate::codes::{BracketryCode, BracketryKind, BracketryStatus};

@@ -1,6 +1,6 @@
 //! Certificates, and their check in exact arithmetic.
 
-use bracketry_lie::MultivariatePolynomial;
+use bracketry_lie::linear::MultivariatePolynomial;
 use bracketry_symbolic::Rational;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,8 @@
 //! Polynomials that are constant along all motions.
 
-use bracketry_lie::{Evidence, MultivariatePolynomial, RationalMatrix, integrals};
+use bracketry_lie::Evidence;
+use bracketry_lie::algebra::integrals;
+use bracketry_lie::linear::{MultivariatePolynomial, RationalMatrix};
 use bracketry_symbolic::{Bindings, Echelon, Expr, Function, Rational};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;

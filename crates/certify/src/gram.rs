@@ -1,6 +1,6 @@
 //! Polynomials written as zᵀ Q z with a vector of monomials z and a positive semidefinite Q.
 
-use bracketry_lie::{MultivariatePolynomial, RationalMatrix};
+use bracketry_lie::linear::{MultivariatePolynomial, RationalMatrix};
 use bracketry_symbolic::Rational;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

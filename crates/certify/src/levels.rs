@@ -1,6 +1,6 @@
 //! Levels c of a function V below which it falls.
 
-use bracketry_lie::MultivariatePolynomial;
+use bracketry_lie::linear::MultivariatePolynomial;
 use bracketry_symbolic::Rational;
 
 use crate::certificate::{Certificate, Claim, on_sublevel_set};

@@ -1,6 +1,6 @@
 //! The linear part of a polynomial model.
 
-use bracketry_lie::{MultivariatePolynomial, RationalMatrix, half_planes};
+use bracketry_lie::linear::{MultivariatePolynomial, RationalMatrix, half_planes};
 use bracketry_symbolic::Rational;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,6 +1,6 @@
 //! Global Lyapunov functions.
 
-use bracketry_lie::MultivariatePolynomial;
+use bracketry_lie::linear::MultivariatePolynomial;
 use bracketry_symbolic::Rational;
 
 use crate::certificate::{Certificate, Claim, Conclusion};

@@ -1,6 +1,6 @@
 //! A model as polynomials in the deviations from an equilibrium.
 
-use bracketry_lie::MultivariatePolynomial;
+use bracketry_lie::linear::MultivariatePolynomial;
 use bracketry_symbolic::{Expr, Function, Names, ParseError, Pool, Rational, Symbol, closest_name};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;

@@ -1,6 +1,6 @@
 //! Storage functions of passive systems.
 
-use bracketry_lie::MultivariatePolynomial;
+use bracketry_lie::linear::MultivariatePolynomial;
 
 use crate::certificate::{Certificate, Claim};
 use crate::gram::Gram;

@@ -1,6 +1,6 @@
 //! Which motions stay where a rate vanishes.
 
-use bracketry_lie::MultivariatePolynomial;
+use bracketry_lie::linear::MultivariatePolynomial;
 use bracketry_symbolic::{Rational, UnivariatePolynomial};
 
 use crate::gram::Gram;

@@ -1,6 +1,6 @@
 //! Lyapunov functions as truncated power series.
 
-use bracketry_lie::MultivariatePolynomial;
+use bracketry_lie::linear::MultivariatePolynomial;
 use bracketry_symbolic::Rational;
 use nalgebra::{DMatrix, DVector};
 

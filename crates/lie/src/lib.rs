@@ -23,98 +23,43 @@
 //! assert!(evidence.log10_error() < -15.0);
 //! ```
 
-mod algebra;
-mod analysis;
+pub mod algebra;
+pub mod analysis;
 mod answer;
 mod as_text;
 mod budget;
 mod condition;
-mod controllability;
+pub mod controllability;
 mod dimensions;
 mod error;
 mod evidence;
-mod feedback;
-mod forms;
-mod linear;
+pub mod feedback;
+pub mod forms;
+pub mod linear;
 mod modes;
-mod observability;
-mod operating;
+pub mod observability;
+pub mod operating;
 mod options;
-mod parameters;
-mod reason;
+pub mod parameters;
+pub mod reason;
 mod residues;
 mod undecided;
 
-pub use algebra::closure::Closure;
-pub use algebra::field::{Field, VectorFields, adjoint, bracket};
-pub use algebra::hall::{HallBasis, HallElement, HallTooLarge, witt, witt_degrees};
-pub use algebra::integrals::search::{Integrals, integrals};
-pub use algebra::involutive::involutive_closure;
-pub use algebra::lie_algebra::LieAlgebra;
-pub use algebra::word::{Bracket, Generator, Word, generators};
+pub use algebra::field::{Field, VectorFields, bracket};
 pub use analysis::affine::analyze_affine;
 pub use analysis::analyze::{Analysis, AnalysisError, analyze};
-pub use analysis::brackets::RequestedBracket;
-pub use analysis::family::{Family, family_dimensions};
-pub use analysis::influence::{Influence, ReachTable, Reached};
-pub use analysis::rank_change::{RankChange, Ranks};
-pub use analysis::report::{Effort, ModeReport, Report, SmoothedReport};
+pub use analysis::report::Report;
 pub use answer::Answer;
 pub use bracketry_symbolic::{Function, Named};
 pub use condition::Condition;
-pub use controllability::input_values::{InputValues, Side};
-pub use controllability::involutive::InvolutiveClosureReport;
-pub use controllability::local_accessibility::LocalAccessibility;
-pub use controllability::orbit::SwitchingTheorem;
-pub use controllability::point::{PointReport, Subject, Vanishing};
-pub use controllability::stlc::{BoundedStlc, GeneralCondition, Stlc, Verdict};
-pub use controllability::sussmann::Obstruction;
-pub use controllability::switched::{Switchable, SwitchedReport};
-pub use controllability::uncontrollable::UncontrollableMode;
-pub use dimensions::Dimensions;
-pub use error::{Error, WordError, WordProblem};
+pub use error::Error;
 pub use evidence::Evidence;
-pub use feedback::extension::{DynamicExtension, ExtensionLimits};
-pub use feedback::flatness_report::{ExtensionReport, FlatnessReport, FlatnessVerdict};
-pub use feedback::input_output::{Eigenvalue, InputOutputReport, ZeroDynamicsReport};
-pub use feedback::minimum_phase::MinimumPhase;
-pub use feedback::relative_degree::RelativeDegree;
-pub use feedback::report::{ControlReport, LinearizationReport};
-pub use feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
-pub use feedback::zero_dynamics::ZeroDynamics;
-pub use forms::chained::{ChainedForm, ChainedForms, NoChainedForm};
-pub use forms::normal_form::{
-    Block, BlockKind, Form, FormNote, FormOutcome, NormalForm, Part, PartKind, TransformError, Transformation,
-    UnknownForm,
-};
-pub use forms::obstacle::Obstacle;
-pub use forms::transform::{TransformOptions, transform};
-pub use linear::distance::Distance;
-pub use linear::matrix::RationalMatrix;
-pub use linear::polynomial::MultivariatePolynomial;
-pub use linear::spectrum::half_planes;
-pub use modes::{ModeFields, Signs, mode_fields};
-pub use observability::codistribution::Observability;
-pub use observability::identifiability::global::GlobalReason;
-pub use observability::identifiability::report::{
-    Identifiability, IdentifiabilityError, IdentifiabilityOptions, IdentifiabilityReport, identifiability,
-};
-pub use observability::report::{Direction, ObservabilityReport, Undetermined, observe};
-pub use observability::symmetry::{Operator, Symmetry};
-pub use operating::gains::{Gain, Gramians, NoGain};
-pub use operating::linear_model::{LinearMatrix, LinearModel, NotLinearizable, Rest};
-pub use operating::linearize::{LinearAnalysis, LinearizeError, LinearizeOptions, Pole, Rank, linearize};
-pub use operating::trim::{Trim, TrimError, TrimNote, TrimOptions, TrimRole, TrimStatus, TrimValue, trim};
+pub use forms::transform::transform;
+pub use observability::identifiability::report::identifiability;
+pub use observability::report::observe;
+pub use operating::linearize::linearize;
+pub use operating::trim::trim;
 pub use options::{AnalysisOptions, Limits};
-pub use parameters::aspect::{Aspect, AspectValue, NotLinear};
 pub use parameters::cases::parameter_cases;
-pub use parameters::confirm::Confirmed;
-pub use parameters::map::{MapCell, MapCurve, MapPoint, ParameterMap, ParameterRange, parameter_map};
-pub use parameters::report::{
-    AspectCases, Incomplete, ParameterCase, ParameterError, ParameterOptions, ParameterReport,
-};
-pub use reason::{
-    AtSwitch, BracketLimit, FamilyReason, FlatnessReason, InputCombination, MinimumPhaseReason, Monotone,
-    NoZeroDynamics, Reason, StabilizableReason, StlcReason, SwitchingReason,
-};
+pub use parameters::map::parameter_map;
 pub use undecided::Undecided;

@@ -7,9 +7,12 @@
 
 mod common;
 
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::controller::Step;
+use bracketry_mpc::qp::{ProgramForm, QpSettings};
+use bracketry_mpc::sqp::SqpController;
 use bracketry_mpc::{
-    ControlProblem, Dynamics, PlannedTrajectory, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant,
-    Sqp, SqpController, SqpSettings, Step, SymbolicDynamics,
+    ControlProblem, Dynamics, PlannedTrajectory, Plant, Rti, RtiSettings, Sqp, SqpSettings, SymbolicDynamics,
 };
 use bracketry_system::System;
 use common::{closed_loop, median};

@@ -5,10 +5,10 @@
 
 mod common;
 
-use bracketry_mpc::{
-    ControlProblem, Dynamics, PlannedTrajectory, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant,
-    Step, SymbolicDynamics,
-};
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::controller::Step;
+use bracketry_mpc::qp::{ProgramForm, QpSettings};
+use bracketry_mpc::{ControlProblem, Dynamics, PlannedTrajectory, Plant, Rti, RtiSettings, SymbolicDynamics};
 use bracketry_system::System;
 use common::median;
 

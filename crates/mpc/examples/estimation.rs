@@ -3,7 +3,7 @@
 //! `cargo run --release -p bracketry-mpc --example estimation --features measure`
 #![allow(clippy::print_stdout)]
 
-use bracketry_mpc::{
+use bracketry_mpc::estimation::{
     EstimatedParameter, EstimationProblem, Estimator, ExtendedKalman, MeasuredOutput, MovingHorizon,
     MovingHorizonSettings,
 };

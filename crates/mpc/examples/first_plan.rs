@@ -3,7 +3,8 @@
 //! `cargo run --release -p bracketry-mpc --example first_plan --features measure -- [--hessian gauss-newton|exact|automatic] [--log] FILE…`
 #![allow(clippy::print_stdout)]
 
-use bracketry_mpc::{ControlProblem, Hessian, PlannedTrajectory, Sqp, SqpSettings, SymbolicDynamics};
+use bracketry_mpc::sqp::Hessian;
+use bracketry_mpc::{ControlProblem, PlannedTrajectory, Sqp, SqpSettings, SymbolicDynamics};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut hessian, mut log, mut files) = (None, false, Vec::new());

@@ -3,9 +3,12 @@
 //! `cargo run --release -p bracketry-mpc --example friction_comparison --features measure`
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use bracketry_mpc::closed_loop::{ClosedLoop, LoopSettings};
+use bracketry_mpc::exact_friction::StickSlipSettings;
+use bracketry_mpc::sqp::SqpController;
 use bracketry_mpc::{
-    ClosedLoop, Controller, CostFunction, CostKind, LoopSettings, Ocp, PlannedTrajectory, Rti, RtiSettings, Sqp,
-    SqpController, SqpSettings, StickSlipController, StickSlipSettings, SymbolicDynamics, run_closed_loop,
+    Controller, CostFunction, CostKind, Ocp, PlannedTrajectory, Rti, RtiSettings, Sqp, SqpSettings,
+    StickSlipController, SymbolicDynamics, run_closed_loop,
 };
 use bracketry_sim::{ExactPlant, SimulationSettings};
 use bracketry_symbolic::Rational;

@@ -5,10 +5,9 @@
 //! per run, and the program fails when it grows after the first fifth.
 #![allow(clippy::print_stdout)]
 
-use bracketry_mpc::{
-    Brake, ControlProblem, Controller, Counts, FailurePolicy, Fault, LoopSettings, PlannedTrajectory, Plant, Rti,
-    RtiSettings, RungeKuttaPlant, SampledLoop, SymbolicDynamics,
-};
+use bracketry_mpc::closed_loop::{Counts, Fault, LoopSettings, RungeKuttaPlant, SampledLoop};
+use bracketry_mpc::controller::{Brake, FailurePolicy};
+use bracketry_mpc::{ControlProblem, Controller, PlannedTrajectory, Plant, Rti, RtiSettings, SymbolicDynamics};
 use bracketry_sim::{ExactPlant, SimulationSettings};
 use bracketry_system::System;
 use rand::rngs::StdRng;

@@ -3,10 +3,9 @@
 //! The swing-up of the pendulum with every kind of preparation, then the move of the plate along its plan.
 #![allow(clippy::print_stdout)]
 
-use bracketry_mpc::{
-    ControlProblem, LoopSettings, PhaseTimes, PlannedTrajectory, Preparation, Rti, RtiSettings, RungeKuttaPlant,
-    SolveTimes, SymbolicDynamics, run_closed_loop,
-};
+use bracketry_mpc::closed_loop::{LoopSettings, PhaseTimes, RungeKuttaPlant, SolveTimes};
+use bracketry_mpc::rti::Preparation;
+use bracketry_mpc::{ControlProblem, PlannedTrajectory, Rti, RtiSettings, SymbolicDynamics, run_closed_loop};
 use bracketry_sim::{ExactPlant, SimulationSettings};
 use std::error::Error;
 

@@ -3,9 +3,12 @@
 //! `cargo run --release -p bracketry-mpc --example random_starts --features measure [STARTS] [PROBLEM] [--exact]`
 #![allow(clippy::print_stdout, clippy::format_push_string)]
 
+use bracketry_mpc::ocp::{Bounds, Softness, Substeps};
+use bracketry_mpc::problem::Method;
+use bracketry_mpc::sqp::Hessian;
 use bracketry_mpc::{
-    Bounds, ControlProblem, CostFunction, CostKind, Hessian, Integrator, Method, MpcError, Ocp, PlannedTrajectory,
-    Softness, SolveStatus, Sqp, SqpSettings, Substeps, SymbolicDynamics,
+    ControlProblem, CostFunction, CostKind, Integrator, MpcError, Ocp, PlannedTrajectory, SolveStatus, Sqp,
+    SqpSettings, SymbolicDynamics,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;

@@ -12,11 +12,13 @@
 //! norm and terminal constraints, move blocks and live parameters are fields of [`Ocp`] too. [`Sqp`] solves it to convergence
 //! from any guess, globalized by a filter, and where the dynamics contain `sign` (dry friction) by continuation in the smoothing
 //! width. [`Rti`] is the real-time iteration: one quadratic program per sample. [`StickSlipController`] solves on the exact
-//! stick–slip flow. [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together, with delay ([`DelayCompensated`]),
-//! noise, [`Fault`]s and a [`FailurePolicy`]; [`ControlProblem`] reads all of it from a file.
+//! stick–slip flow. [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together, with delay ([`DelayCompensated`](closed_loop::DelayCompensated)),
+//! noise, [`Fault`](closed_loop::Fault)s and a [`FailurePolicy`](controller::FailurePolicy); [`ControlProblem`] reads all of it from a file.
 //!
-//! Where not all states are measured, an [`Estimator`] ([`ExtendedKalman`] or [`MovingHorizon`]) finds states, parameters and
-//! disturbances from an [`EstimationProblem`]; [`OffsetFree`] makes a controller of them that leaves no offset.
+//! Where not all states are measured, an [`Estimator`](estimation::Estimator) ([`ExtendedKalman`](estimation::ExtendedKalman) or
+//! [`MovingHorizon`](estimation::MovingHorizon)) finds states, parameters and
+//! disturbances from an [`EstimationProblem`](estimation::EstimationProblem);
+//! [`OffsetFree`](estimation::OffsetFree) makes a controller of them that leaves no offset.
 //!
 //! A pendulum moves by 1 rad from rest to rest in 2 s, with the least ∫ u² dt:
 //!
@@ -44,58 +46,35 @@
 //! Results are values: an infeasible problem, an iteration limit or a measurement that is not a number is a status with its
 //! reason; an error is misuse.
 
-mod closed_loop;
-mod controller;
+pub mod closed_loop;
+pub mod controller;
 mod deviations;
-mod dynamics;
+pub mod dynamics;
 mod error;
-mod estimation;
-mod exact_friction;
+pub mod estimation;
+pub mod exact_friction;
 mod integrator;
-mod live;
-mod ocp;
-mod problem;
+pub mod live;
+pub mod ocp;
+pub mod problem;
 mod problem_file;
-mod qp;
-mod riccati;
-mod rti;
-mod sqp;
+pub mod qp;
+pub mod riccati;
+pub mod rti;
+pub mod sqp;
 mod trajectory;
 mod transcription;
 
-pub use closed_loop::{
-    ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LateSamples, LoopSettings, MeasurementFunction,
-    NoiseFunction, PhaseTimes, Plant, PlantEquations, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop,
-    SolveTimes, SourceCounts, run_closed_loop,
-};
-pub use controller::{
-    Brake, Controller, FailurePolicy, FallbackReason, InputSource, PlanErrors, SolverEffort, Step, StepLimits,
-    StepStatus, SumUpRounding, Timings,
-};
-pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
+pub use closed_loop::{Plant, run_closed_loop};
+pub use controller::Controller;
+pub use dynamics::{Dynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantFailure};
-pub use estimation::{
-    Disturbance, DisturbanceChannel, Estimate, EstimateStatus, EstimatedParameter, EstimationProblem, Estimator,
-    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, OffsetFree, Outliers, OutputFeedback,
-    SteadyTarget, TargetCalculator, TargetStatus,
-};
-pub use exact_friction::{StickSlipController, StickSlipSettings};
+pub use exact_friction::StickSlipController;
 pub use integrator::Integrator;
-pub use live::{Change, LiveController, LiveStep, LoopLog};
-pub use ocp::{
-    BoundSide, Bounded, Bounds, Branching, ConstraintTrace, CostFunction, CostKind, LargestViolation, Margins,
-    NormConstraint, Ocp, PathConstraint, PreviousInput, Softness, Substeps, TerminalSet, TerminalTarget,
-    VectorFunction,
-};
-pub use problem::{
-    Cause, ChanceMargin, ChanceReport, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled,
-    Convergence, Estimation, EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, MarginFeedback, Method,
-    MethodReason, Note, PlanReport, ProblemError, ReferenceUse, RoundingReport, RunConditions, ScenarioReport,
-    Schedule, Scheduled, ViolationReport, control, control_watched,
-};
-pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
-pub use riccati::{InfiniteHorizon, Riccati, dare};
-pub use rti::{Horizon, Preparation, Rti, RtiSettings};
-pub use sqp::{Hessian, Iteration, Solution, SolveStatus, Sqp, SqpController, SqpSettings};
+pub use live::LiveController;
+pub use ocp::{CostFunction, CostKind, Ocp, TerminalTarget};
+pub use problem::{ControlError, ControlProblem, Controlled, control, control_watched};
+pub use rti::{Rti, RtiSettings};
+pub use sqp::{SolveStatus, Sqp, SqpSettings};
 pub use trajectory::PlannedTrajectory;
 pub use transcription::ShootingLinearization;

@@ -31,7 +31,7 @@ pub struct Riccati {
 /// convergent.
 ///
 /// ```
-/// use bracketry_mpc::dare;
+/// use bracketry_mpc::riccati::dare;
 /// use nalgebra::DMatrix;
 /// let (one, zero) = (DMatrix::identity(1, 1), DMatrix::zeros(1, 1));
 /// let solution = dare(&one, &one, &one, &one, &zero).unwrap();
@@ -213,7 +213,7 @@ impl Ocp {
     }
 
     /// Largest level α of the set (x − c)ᵀP(x − c) ≤ α in which the input u_c − K(x − c) keeps its bounds and the states
-    /// keep theirs, about the steady state (c, u_c): for [`TerminalSet`](crate::TerminalSet). Infinite without bounds; not
+    /// keep theirs, about the steady state (c, u_c): for [`TerminalSet`](crate::ocp::TerminalSet). Infinite without bounds; not
     /// positive when the steady state breaks one.
     pub fn largest_terminal_level(&self, beyond: &InfiniteHorizon) -> f64 {
         let n = self.states();

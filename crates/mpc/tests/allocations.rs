@@ -7,9 +7,11 @@
 mod common;
 
 use allocation_counter::measure;
+use bracketry_mpc::controller::StepStatus;
+use bracketry_mpc::ocp::{Bounds, Softness, Substeps};
+use bracketry_mpc::qp::ProgramForm;
 use bracketry_mpc::{
-    Bounds, ControlProblem, CostFunction, CostKind, Ocp, PlannedTrajectory, ProgramForm, Rti, RtiSettings, Softness,
-    StepStatus, Substeps, SymbolicDynamics, TerminalTarget,
+    ControlProblem, CostFunction, CostKind, Ocp, PlannedTrajectory, Rti, RtiSettings, SymbolicDynamics, TerminalTarget,
 };
 use bracketry_system::System;
 use clarabel::algebra::CscMatrix;

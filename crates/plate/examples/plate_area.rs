@@ -3,10 +3,10 @@
 //! `cargo run --release -p bracketry-plate --example plate_area --features measure`
 #![allow(clippy::print_stdout)]
 
-use bracketry_plate::{
-    AreaContact, AreaObject, AreaRecord, AreaSettings, Course, DrivenObject, Experiment, Friction, Object, PlateError,
-    Run, Scheme, Shape,
-};
+use bracketry_plate::area::{AreaContact, AreaRecord, AreaSettings, Scheme};
+use bracketry_plate::driven::Course;
+use bracketry_plate::experiment::{Experiment, Run};
+use bracketry_plate::{AreaObject, DrivenObject, Friction, Object, PlateError, Shape};
 
 /// Runs an experiment from where its coordinate starts, otherwise at `x = 0.3 m`, `y = 0`.
 fn run(

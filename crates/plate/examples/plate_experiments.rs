@@ -2,7 +2,8 @@
 //! `cargo run --release -p bracketry-plate --example plate_experiments --features measure`
 #![allow(clippy::print_stdout)]
 
-use bracketry_plate::{AmplitudeStep, Experiment, PlateError, Run, Shape, published, two_step};
+use bracketry_plate::experiment::{AmplitudeStep, Experiment, Run, two_step};
+use bracketry_plate::{PlateError, Shape, published};
 use bracketry_sim::SimulationSettings;
 
 const START: [f64; 6] = [0.48, -0.03, 0.0, 0.0, 0.0, 0.0];

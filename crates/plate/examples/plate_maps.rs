@@ -4,7 +4,9 @@
 
 mod common;
 
-use bracketry_plate::{Experiment, Map, PlateError, Summary, Terms, linspace};
+use bracketry_plate::PlateError;
+use bracketry_plate::experiment::{Experiment, Map, Summary, linspace};
+use bracketry_plate::model::Terms;
 use bracketry_plot::{Color, HeatMap, RegimeMap};
 use common::{Model, Progress, folder, save};
 use std::path::Path;

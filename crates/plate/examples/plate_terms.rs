@@ -5,7 +5,10 @@
 
 mod common;
 
-use bracketry_plate::{Course, Experiment, Limits, Map, Object, PlateError, PlateMotion, Terms, linspace};
+use bracketry_plate::driven::Course;
+use bracketry_plate::experiment::{Experiment, Limits, Map, linspace};
+use bracketry_plate::model::Terms;
+use bracketry_plate::{Object, PlateError, PlateMotion};
 use bracketry_plot::{Color, RegimeMap};
 use common::{ELLIPSE, Progress, folder, reduced_plant, save, start};
 use std::path::Path;

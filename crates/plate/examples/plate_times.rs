@@ -2,7 +2,8 @@
 //! `cargo run --release -p bracketry-plate --example plate_times --features measure [MOVES]`
 #![allow(clippy::print_stdout)]
 
-use bracketry_plate::{MovePlanner, Object, PlannedMove, PlanningBudget, PlateLimits, Shape};
+use bracketry_plate::control::{MovePlanner, PlannedMove, PlanningBudget, PlateLimits};
+use bracketry_plate::{Object, Shape};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use std::f64::consts::PI;
 

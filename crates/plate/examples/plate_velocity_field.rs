@@ -4,9 +4,9 @@
 
 mod common;
 
-use bracketry_plate::{
-    Establishing, Harmonic, Map, MeanVelocity, Object, PeriodicMotion, PlateError, Terms, linspace, mean_velocity,
-};
+use bracketry_plate::experiment::{Establishing, Map, MeanVelocity, linspace, mean_velocity};
+use bracketry_plate::model::Terms;
+use bracketry_plate::{Harmonic, Object, PeriodicMotion, PlateError};
 use bracketry_plot::{Arrow, ColorMap, HeatMap, VectorField};
 use common::{Progress, folder, reduced_plant, save};
 use std::f64::consts::{PI, TAU};

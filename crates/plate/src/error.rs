@@ -1,6 +1,6 @@
 //! What can be wrong with a plate.
 
-use crate::ShapeError;
+use crate::object::ShapeError;
 
 /// What can be wrong with a plate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -8,7 +8,7 @@ use bracketry::Diagnosis;
 use bracketry::diagnose::{
     DiagnosisSettings, Record, RecordSettings, StudySettings, diagnose as run, read_record, reference_candidates,
 };
-use bracketry::lie::RankChange;
+use bracketry::lie::analysis::RankChange;
 use bracketry::system::System;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bracketry::lie::{Form, TransformOptions};
+use bracketry::lie::forms::{Form, TransformOptions};
 use bracketry::report::forms::{transformation_json, transformation_text};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -4,7 +4,9 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};
 
-use bracketry::mpc::{Counts, FallbackReason, LiveController as Live, MpcError};
+use bracketry::mpc::closed_loop::Counts;
+use bracketry::mpc::controller::FallbackReason;
+use bracketry::mpc::{LiveController as Live, MpcError};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

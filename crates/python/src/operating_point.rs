@@ -1,6 +1,6 @@
 //! Operating points and linear systems.
 
-use bracketry::lie::{LinearizeOptions, TrimOptions};
+use bracketry::lie::operating::{LinearizeOptions, TrimOptions};
 use bracketry::report::operating::{linear_files, linear_json, linear_text, trim_json, trim_text};
 use bracketry::system::System;
 use pyo3::prelude::*;

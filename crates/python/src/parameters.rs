@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use bracketry::lie::{IdentifiabilityOptions, ParameterOptions, ParameterRange};
+use bracketry::lie::observability::IdentifiabilityOptions;
+use bracketry::lie::parameters::{ParameterOptions, ParameterRange};
 use bracketry::report::identifiability::{identifiability_json, identifiability_text};
 use bracketry::report::parameters::{
     parameter_figure, parameter_json, parameter_map_json, parameter_map_text, parameter_text,

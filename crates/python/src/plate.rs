@@ -5,9 +5,8 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bracketry::plate::{
-    GivenOption, NumberOption, PlateExperiment, PlateLog, PlateOptions, PlateRow, PlateSetup, Shape, TextOption,
-};
+use bracketry::plate::run::{GivenOption, NumberOption, PlateOptions, PlateRow, PlateSetup, TextOption};
+use bracketry::plate::{PlateExperiment, PlateLog, Shape};
 use bracketry::report::plate;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;

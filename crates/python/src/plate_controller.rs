@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Mutex;
 
-use bracketry::plate::{
-    Command, Learned, Measurement, Object, PlateController as _, PlateError, PlateKinematics, PoseController,
-    PoseSettings, PoseStatus, Shape,
+use bracketry::plate::control::{
+    Command, Learned, Measurement, PlateController as _, PoseController, PoseSettings, PoseStatus,
 };
+use bracketry::plate::{Object, PlateError, PlateKinematics, Shape};
 use pyo3::prelude::*;
 
 use crate::error::Failure;

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use bracketry_mpc::{
-    BoundSide, ClosedLoopReport, ControlError, ControlProblem, Controlled, Hessian, LateSamples, MethodReason,
-    MpcError, Ocp, PlannedTrajectory, PlantEquations, PlantStopped,
-};
+use bracketry_mpc::closed_loop::{LateSamples, PlantEquations, PlantStopped};
+use bracketry_mpc::ocp::BoundSide;
+use bracketry_mpc::problem::{ClosedLoopReport, MethodReason};
+use bracketry_mpc::sqp::Hessian;
+use bracketry_mpc::{ControlError, ControlProblem, Controlled, MpcError, Ocp, PlannedTrajectory};
 use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
 use bracketry_sim::Breakdown;
 use bracketry_system::{counted, readable};

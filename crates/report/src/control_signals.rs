@@ -1,6 +1,7 @@
 //! Signals of a closed loop beside states and inputs: references and named constraints, as columns and panels.
 
-use bracketry_mpc::{ControlProblem, Controlled, Scheduled};
+use bracketry_mpc::problem::Scheduled;
+use bracketry_mpc::{ControlProblem, Controlled};
 use bracketry_plot::{Dash, Panel, Series};
 
 /// Panels of constraints beyond which a figure is not read any more; all of them are in the table.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_lie::{GlobalReason, Identifiability, IdentifiabilityReport};
+use bracketry_lie::observability::{GlobalReason, Identifiability, IdentifiabilityReport};
 use serde_json::{Value, json};
 
 fn verdict(v: &Identifiability) -> String {

@@ -1,6 +1,8 @@
 //! Steering in the chained form.
 
-use bracketry_lie::{ChainedForm, Evidence, ModeFields};
+use bracketry_lie::Evidence;
+use bracketry_lie::analysis::ModeFields;
+use bracketry_lie::forms::ChainedForm;
 use bracketry_sim::Hold;
 use bracketry_symbolic::{Expr, Function, Tape};
 use bracketry_system::System;

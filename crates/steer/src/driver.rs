@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use bracketry_lie::{Error as LieError, ModeFields, mode_fields};
+use bracketry_lie::Error as LieError;
+use bracketry_lie::analysis::{ModeFields, mode_fields};
 use bracketry_sim::Hold;
 use bracketry_symbolic::ZeroTest;
 use bracketry_system::{AffineError, System};

@@ -1,6 +1,8 @@
 //! Steering by flat outputs: polynomials between the values of the outputs and their derivatives at both ends.
 
-use bracketry_lie::{DynamicExtension, Evidence, ExtensionLimits, ModeFields};
+use bracketry_lie::Evidence;
+use bracketry_lie::analysis::ModeFields;
+use bracketry_lie::feedback::{DynamicExtension, ExtensionLimits};
 use bracketry_sim::Hold;
 use bracketry_symbolic::{Expr, Function, Symbol, Tape};
 use bracketry_system::System;

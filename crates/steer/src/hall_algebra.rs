@@ -3,7 +3,7 @@
 //! The flow of x' = Σ vᵢ(t) Xᵢ(x) acts on functions as a series S(t) with S' = S Σ vᵢ Xᵢ; of two flows one after the other, the
 //! first stands on the left (Chen 1957; Lafferriere and Sussmann 1991).
 
-use bracketry_lie::HallBasis;
+use bracketry_lie::algebra::HallBasis;
 use nalgebra::{DMatrix, DVector, SVD};
 
 /// A series: coefficients of all words in m letters of at most `degree` letters, by length, then as numbers to base m.

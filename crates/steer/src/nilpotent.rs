@@ -4,7 +4,9 @@
 //! series up to the degree of the basis is written as a product of flows of single input fields: piecewise constant inputs. For a
 //! nilpotent system that is exact; for others, rounds from where the one before ended come closer each time.
 
-use bracketry_lie::{Evidence, HallBasis, ModeFields, Undecided};
+use bracketry_lie::algebra::HallBasis;
+use bracketry_lie::analysis::ModeFields;
+use bracketry_lie::{Evidence, Undecided};
 use bracketry_sim::Hold;
 use bracketry_symbolic::{Expr, Tape};
 use bracketry_system::System;

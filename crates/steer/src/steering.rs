@@ -1,6 +1,7 @@
 //! What was found.
 
-use bracketry_lie::{NoChainedForm, Undecided};
+use bracketry_lie::Undecided;
+use bracketry_lie::forms::NoChainedForm;
 use bracketry_sim::Simulation;
 use bracketry_symbolic::Function;
 use bracketry_system::System;

@@ -3,7 +3,9 @@
 #![allow(clippy::print_stdout)]
 
 use anyhow::bail;
-use bracketry_plate::{Bearing, Object, PlateLimits, PoseController, PoseSettings, Shape};
+use bracketry_plate::control::{PlateLimits, PoseController, PoseSettings};
+use bracketry_plate::object::Bearing;
+use bracketry_plate::{Object, Shape};
 use bracketry_trials::{PoseRange, PushRange, Scenario, TrialReport, TrialSetup, TrialSummary, run_trials};
 use clap::Parser;
 use std::ops::ControlFlow;

@@ -3,7 +3,7 @@
 //! Where every solution has a singular Gram matrix, rounding leaves the set of semidefinite matrices. Its null space is then
 //! recognized from the numerical solution, in rational numbers; on the orthogonal complement the matrices are regular again.
 
-use bracketry_lie::RationalMatrix;
+use bracketry_lie::linear::RationalMatrix;
 use bracketry_symbolic::Rational;
 use nalgebra::{DMatrix, SymmetricEigen};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use bracketry_lie::{MultivariatePolynomial, RationalMatrix};
+use bracketry_lie::linear::{MultivariatePolynomial, RationalMatrix};
 use bracketry_symbolic::Rational;
 
 use crate::gram::power;

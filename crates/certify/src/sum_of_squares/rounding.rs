@@ -1,6 +1,6 @@
 //! From a numerical solution to an exact one.
 
-use bracketry_lie::MultivariatePolynomial;
+use bracketry_lie::linear::MultivariatePolynomial;
 use bracketry_symbolic::Rational;
 use nalgebra::DMatrix;
 

@@ -5,10 +5,9 @@ use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::Analysis;
-use bracketry::lie::{
-    AnalysisOptions, IdentifiabilityOptions, ObservabilityReport, ParameterOptions, ParameterRange, identifiability,
-    parameter_cases, parameter_map,
-};
+use bracketry::lie::observability::{IdentifiabilityOptions, ObservabilityReport};
+use bracketry::lie::parameters::{ParameterOptions, ParameterRange};
+use bracketry::lie::{AnalysisOptions, identifiability, parameter_cases, parameter_map};
 use bracketry::report::analysis as report;
 use bracketry::report::identifiability::{identifiability_json, identifiability_text};
 use bracketry::report::parameters::{

@@ -8,7 +8,7 @@ use bracketry::diagnose::{
     DiagnosisSettings, Record, RecordSettings, Report, StudySettings, Verdict, diagnose, read_record,
     reference_candidates,
 };
-use bracketry::lie::RankChange;
+use bracketry::lie::analysis::RankChange;
 use bracketry::sim::Hold;
 use bracketry::system::System;
 use clap::Args;

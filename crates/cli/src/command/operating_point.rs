@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use bracketry::lie::{
-    LinearizeError, LinearizeOptions, Trim, TrimOptions, TrimStatus, linearize as linear_system,
-    trim as operating_point,
-};
+use bracketry::lie::operating::{LinearizeError, LinearizeOptions, Trim, TrimOptions, TrimStatus};
+use bracketry::lie::{linearize as linear_system, trim as operating_point};
 use bracketry::report::operating::{linear_files, linear_json, linear_text, trim_json, trim_text};
 use bracketry::system::{System, point};
 use clap::Args;

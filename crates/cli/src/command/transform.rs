@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context;
-use bracketry::lie::{Form, NormalForm, TransformOptions, Transformation, transform as transformed};
+use bracketry::lie::forms::{Form, NormalForm, TransformOptions, Transformation};
+use bracketry::lie::transform as transformed;
 use bracketry::report::forms::{part_text, transformation_json, transformation_model, transformation_text};
 use bracketry::system::System;
 use clap::Args;

@@ -2,7 +2,7 @@
 
 use bracketry::diagnose::Report;
 use bracketry::lie::Analysis;
-use bracketry::plate::SyntheticLog;
+use bracketry::plate::recording::SyntheticLog;
 
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;

@@ -1,6 +1,7 @@
 //! The figures and animations of the story.
 
-use bracketry::plate::{AreaOutcome, RESOLUTION, target_of};
+use bracketry::plate::area::AreaOutcome;
+use bracketry::plate::control::{RESOLUTION, target_of};
 use bracketry::plot::{
     Animation, Color, Dash, Drawing, Interval, Panel, PlanView, PlotError, Pose, RecordedMotion, Role, Scene, Series,
     Snapshot, TimeSeries,

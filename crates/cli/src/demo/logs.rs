@@ -1,10 +1,11 @@
 //! What a laboratory would record of the true plant.
 
 use bracketry::diagnose::{DiagnoseError, Record, RecordSettings};
-use bracketry::plate::{
-    AreaOutcome, Experiment, PlateKinematics, PlateMismatch, RESOLUTION, RecordingError, SyntheticLog, multisine,
-    synthetic_log,
-};
+use bracketry::plate::PlateKinematics;
+use bracketry::plate::area::AreaOutcome;
+use bracketry::plate::control::RESOLUTION;
+use bracketry::plate::experiment::Experiment;
+use bracketry::plate::recording::{PlateMismatch, RecordingError, SyntheticLog, multisine, synthetic_log};
 use bracketry::system::System;
 use rayon::prelude::*;
 

@@ -1,10 +1,9 @@
 //! How the loops of the story are closed: what the camera and the plate's encoders tell, one sample late.
 
-use bracketry::mpc::{
-    ControlProblem, ControlRun, EstimatedParameter, Estimation, EstimationProblem, EstimatorKind, MeasuredOutput,
-    MovingHorizonSettings, MpcError,
-};
-use bracketry::plate::RecordingSettings;
+use bracketry::mpc::estimation::{EstimatedParameter, EstimationProblem, MeasuredOutput, MovingHorizonSettings};
+use bracketry::mpc::problem::{ControlRun, Estimation, EstimatorKind};
+use bracketry::mpc::{ControlProblem, MpcError};
+use bracketry::plate::recording::RecordingSettings;
 
 /// Samples between a measurement and the input that answers it.
 const DELAY: usize = 1;

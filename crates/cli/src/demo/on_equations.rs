@@ -1,7 +1,11 @@
 //! Position and orientation together on the published equations, beside the published method of one after the other.
 
-use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
-use bracketry::plate::{AmplitudeStep, Arrival, Experiment, Shape, TwoStep, plate_move, published, two_step};
+use bracketry::mpc::ControlProblem;
+use bracketry::mpc::closed_loop::SolveTimes;
+use bracketry::mpc::controller::Timings;
+use bracketry::plate::control::Arrival;
+use bracketry::plate::experiment::{AmplitudeStep, Experiment, TwoStep, two_step};
+use bracketry::plate::{Shape, plate_move, published};
 use bracketry::sim::SimulationSettings;
 
 use super::loop_conditions::{measured, programs_of};

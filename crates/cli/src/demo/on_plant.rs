@@ -1,7 +1,10 @@
 //! A controller on the plant with contact over the whole footprint.
 
-use bracketry::mpc::{ControlProblem, ControlRun, Plant};
-use bracketry::plate::{AreaOutcome, Arrival, PlateMismatch, move_with};
+use bracketry::mpc::problem::ControlRun;
+use bracketry::mpc::{ControlProblem, Plant};
+use bracketry::plate::area::AreaOutcome;
+use bracketry::plate::control::{Arrival, move_with};
+use bracketry::plate::recording::PlateMismatch;
 use bracketry::system::System;
 use serde::{Serialize, Serializer};
 

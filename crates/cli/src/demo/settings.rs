@@ -4,7 +4,9 @@ use bracketry::diagnose::{DiagnoseError, DiagnosisSettings};
 use bracketry::lie::AnalysisError;
 use bracketry::mpc::ControlError;
 use bracketry::mpc::MpcError;
-use bracketry::plate::{MoveError, PlateError, RecordingError, RecordingSettings};
+use bracketry::plate::PlateError;
+use bracketry::plate::control::MoveError;
+use bracketry::plate::recording::{RecordingError, RecordingSettings};
 use bracketry::plot::PlotError;
 
 /// How the story is told.

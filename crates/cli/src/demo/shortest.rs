@@ -1,7 +1,7 @@
 //! In how short a time the moves of the story are made.
 
 use bracketry::mpc::{ControlProblem, MpcError, SolveStatus};
-use bracketry::plate::with_duration;
+use bracketry::plate::control::with_duration;
 
 /// Durations of plans: the shortest that is tried (s), the steps of the search in sampling periods, and the longest (s).
 const SHORTEST: f64 = 0.8;

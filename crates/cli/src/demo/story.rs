@@ -1,7 +1,8 @@
 //! The story as data.
 
 use bracketry::lie::Analysis;
-use bracketry::plate::{Shape, SyntheticLog};
+use bracketry::plate::Shape;
+use bracketry::plate::recording::SyntheticLog;
 use bracketry::report::Diagnosis;
 use bracketry::system::System;
 

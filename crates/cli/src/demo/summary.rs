@@ -1,6 +1,6 @@
 //! The story's figures for other programs.
 
-use bracketry::plate::{Arrival, target_of};
+use bracketry::plate::control::{Arrival, target_of};
 use serde_json::{Value, json};
 
 use super::story::Story;

@@ -4,8 +4,10 @@ use std::thread;
 use std::time::Instant;
 
 use bracketry::diagnose::{Report, Role, diagnose};
-use bracketry::lie::{Analysis, AnalysisOptions, RankChange, analyze};
-use bracketry::plate::{Object, Shape, move_with, published};
+use bracketry::lie::analysis::RankChange;
+use bracketry::lie::{Analysis, AnalysisOptions, analyze};
+use bracketry::plate::control::move_with;
+use bracketry::plate::{Object, Shape, published};
 use bracketry::report::{Diagnosis, diagnosis_text};
 use bracketry::system::System;
 

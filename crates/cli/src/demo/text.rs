@@ -3,12 +3,13 @@
 use std::fmt::{self, Write as _};
 
 use bracketry::diagnose::{Cause, NamedCause};
-use bracketry::plate::{AreaOutcome, SyntheticLog};
+use bracketry::plate::area::AreaOutcome;
+use bracketry::plate::recording::SyntheticLog;
 
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;
 use super::story::Story;
-use bracketry::lie::RankChange;
+use bracketry::lie::analysis::RankChange;
 use bracketry::report::rank_change_text;
 
 /// What is simulated, and what the equations are taken from.

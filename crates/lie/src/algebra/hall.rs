@@ -45,7 +45,7 @@ impl HallElement {
 /// one system beyond antisymmetry and Jacobi's comes from the system.
 ///
 /// ```
-/// use bracketry_lie::HallBasis;
+/// use bracketry_lie::algebra::HallBasis;
 /// let basis = HallBasis::new(2, 4).unwrap();
 /// let names: Vec<String> = (0..basis.len()).map(|i| basis.name(i, &["f", "g"])).collect();
 /// assert_eq!(names, ["f", "g", "[f,g]", "[f,[f,g]]", "[g,[f,g]]",
@@ -201,7 +201,7 @@ impl HallBasis {
 /// `1/n Σ_{d | n} μ(d) m^(n/d)`; `None` where it does not fit.
 ///
 /// ```
-/// use bracketry_lie::witt;
+/// use bracketry_lie::algebra::witt;
 /// assert_eq!((1..=6).map(|n| witt(3, n).unwrap()).collect::<Vec<_>>(), [3, 3, 8, 18, 48, 116]);
 /// ```
 pub fn witt(generators: usize, n: usize) -> Option<u128> {
@@ -220,7 +220,7 @@ pub fn witt(generators: usize, n: usize) -> Option<u128> {
 /// `None` where it does not fit.
 ///
 /// ```
-/// use bracketry_lie::witt_degrees;
+/// use bracketry_lie::algebra::witt_degrees;
 /// assert_eq!(witt_degrees(&[1, 2]), Some(1)); // [g,[f,g]]
 /// assert_eq!(witt_degrees(&[2, 2, 2]), Some(14));
 /// ```

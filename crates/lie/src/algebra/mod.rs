@@ -17,3 +17,12 @@ pub(crate) mod reduce;
 pub(crate) mod span;
 pub(crate) mod subsets;
 pub(crate) mod word;
+
+pub use crate::error::{WordError, WordProblem};
+pub use closure::Closure;
+pub use field::{Field, VectorFields, adjoint, bracket};
+pub use hall::{HallBasis, HallElement, HallTooLarge, witt, witt_degrees};
+pub use integrals::search::{Integrals, integrals};
+pub use involutive::involutive_closure;
+pub use lie_algebra::LieAlgebra;
+pub use word::{Bracket, Generator, Word, generators};

@@ -22,7 +22,7 @@ const MAX_LETTERS: usize = 64;
 /// The generators of a system are its drift f (number 0) and its input fields g_1 … g_m.
 ///
 /// ```
-/// use bracketry_lie::Word;
+/// use bracketry_lie::algebra::Word;
 /// let names = ["f", "g1", "g2"];
 /// let word = Word::parse("[g2,[f,g1]]", |name| names.iter().position(|n| *n == name)).unwrap();
 /// assert_eq!((word.length(), word.degrees(3)), (3, vec![1, 1, 1]));

@@ -59,7 +59,8 @@ const MAX_SWITCHES: usize = 4;
 /// Dimensions of the family of a system, compared with the report on its affine form.
 ///
 /// ```
-/// use bracketry_lie::{Answer, AnalysisOptions, analyze_affine, family_dimensions};
+/// use bracketry_lie::{Answer, AnalysisOptions, analyze_affine};
+/// use bracketry_lie::analysis::family_dimensions;
 /// use bracketry_system::System;
 /// let text = "states = ['x', 'y']\ninputs = ['u']\n[dynamics]\nx = 'cos(u)'\ny = 'sin(u)'";
 /// let original = System::parse("m", text).unwrap();

@@ -96,7 +96,7 @@ pub struct Report {
     /// the ranks; empty where something cannot be decided or there are more than 40 states.
     ///
     /// ```
-    /// use bracketry_lie::Influence::{Free, Moves, None};
+    /// use bracketry_lie::analysis::Influence::{Free, Moves, None};
     /// use bracketry_system::System;
     /// let text = "states = ['p', 'v']\ninputs = ['u']\ndynamics = { p = 'v', v = 'u' }";
     /// let cart = System::parse("cart", text).unwrap();

@@ -36,3 +36,13 @@ pub(crate) mod switched;
 pub(crate) mod unbounded;
 pub(crate) mod uncontrollable;
 pub(crate) mod uninfluenced;
+
+pub use input_values::{InputValues, Side};
+pub use involutive::InvolutiveClosureReport;
+pub use local_accessibility::LocalAccessibility;
+pub use orbit::SwitchingTheorem;
+pub use point::{PointReport, Subject, Vanishing};
+pub use stlc::{BoundedStlc, GeneralCondition, Stlc, Verdict};
+pub use sussmann::Obstruction;
+pub use switched::{Switchable, SwitchedReport};
+pub use uncontrollable::UncontrollableMode;

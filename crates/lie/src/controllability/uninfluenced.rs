@@ -18,7 +18,7 @@ use crate::undecided::Undecided;
 
 impl VectorFields {
     /// Functions φ with dφ = 0 along the strong accessibility distribution that `basis` spans,
-    /// with the functions in the fields as building blocks (see [`integrals`](crate::integrals)).
+    /// with the functions in the fields as building blocks (see [`integrals`](crate::algebra::integrals)).
     ///
     /// By Frobenius' theorem there are exactly n − dim of them near a generic point.
     ///

@@ -15,3 +15,12 @@ pub(crate) mod report;
 pub(crate) mod ruled;
 pub(crate) mod static_linearization;
 pub(crate) mod zero_dynamics;
+
+pub use extension::{DynamicExtension, ExtensionLimits};
+pub use flatness_report::{ExtensionReport, FlatnessReport, FlatnessVerdict};
+pub use input_output::{Eigenvalue, InputOutputReport, ZeroDynamicsReport};
+pub use minimum_phase::MinimumPhase;
+pub use relative_degree::RelativeDegree;
+pub use report::{ControlReport, LinearizationReport};
+pub use static_linearization::{LinearizationFlag, LinearizingOutputs};
+pub use zero_dynamics::ZeroDynamics;

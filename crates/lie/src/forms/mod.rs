@@ -21,3 +21,11 @@ pub(crate) mod obstacle;
 pub(crate) mod parts;
 pub(crate) mod root;
 pub(crate) mod transform;
+
+pub use chained::{ChainedForm, ChainedForms, NoChainedForm};
+pub use normal_form::{
+    Block, BlockKind, Form, FormNote, FormOutcome, NormalForm, Part, PartKind, TransformError, Transformation,
+    UnknownForm,
+};
+pub use obstacle::Obstacle;
+pub use transform::{TransformOptions, transform};

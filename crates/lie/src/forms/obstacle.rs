@@ -8,7 +8,7 @@ use crate::reason::FlatnessReason;
 use crate::undecided::Undecided;
 
 /// What stands in the way of a form. Whether it excludes the form or only the search for it is said by
-/// [`FormOutcome`](crate::FormOutcome).
+/// [`FormOutcome`](crate::forms::FormOutcome).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Obstacle {

@@ -33,7 +33,8 @@ impl Default for TransformOptions {
 /// chosen).
 ///
 /// ```
-/// use bracketry_lie::{Form, TransformOptions, transform};
+/// use bracketry_lie::transform;
+/// use bracketry_lie::forms::{Form, TransformOptions};
 /// use bracketry_system::System;
 /// let text = "states = ['q', 'w']\ninputs = ['u']\ndynamics = { q = 'w', w = 'u - sin(q)' }";
 /// let pendulum = System::parse("pendulum", text).unwrap();

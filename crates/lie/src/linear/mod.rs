@@ -7,3 +7,8 @@ pub(crate) mod polynomial;
 pub(crate) mod program;
 pub(crate) mod spectrum;
 pub(crate) mod zeros;
+
+pub use distance::Distance;
+pub use matrix::RationalMatrix;
+pub use polynomial::MultivariatePolynomial;
+pub use spectrum::half_planes;

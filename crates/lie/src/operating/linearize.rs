@@ -129,7 +129,8 @@ fn diagonal(list: &[f64], n: usize, what: &'static str, positive: bool) -> Resul
 /// The linear system at the model's point, with poles, zeros, ranks, Gramians, margins, and gains.
 ///
 /// ```
-/// use bracketry_lie::{LinearizeOptions, linearize};
+/// use bracketry_lie::linearize;
+/// use bracketry_lie::operating::LinearizeOptions;
 /// use bracketry_system::System;
 /// let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u - sin(x)' }\noutputs = { y = 'x' }";
 /// let result = linearize(&System::parse("pendulum", text).unwrap(), &LinearizeOptions::default()).unwrap();

@@ -7,3 +7,8 @@ pub(crate) mod linear_model;
 pub(crate) mod linearize;
 pub(crate) mod solver;
 pub(crate) mod trim;
+
+pub use gains::{Gain, Gramians, NoGain};
+pub use linear_model::{LinearMatrix, LinearModel, NotLinearizable, Rest};
+pub use linearize::{LinearAnalysis, LinearizeError, LinearizeOptions, Pole, Rank, linearize};
+pub use trim::{Trim, TrimError, TrimNote, TrimOptions, TrimRole, TrimStatus, TrimValue, trim};

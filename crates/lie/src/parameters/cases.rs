@@ -40,7 +40,8 @@ fn selected(system: &System, names: &[String]) -> Result<Vec<Symbol>, ParameterE
 /// and the values for which they differ.
 ///
 /// ```
-/// use bracketry_lie::{ParameterOptions, parameter_cases};
+/// use bracketry_lie::parameter_cases;
+/// use bracketry_lie::parameters::ParameterOptions;
 /// use bracketry_system::System;
 /// let model = "states = ['x', 'y']\ninputs = ['u']\nparameters = { a = 1, b = 2 }\n\
 ///              dynamics = { x = 'u - a*x', y = 'u - b*y' }";

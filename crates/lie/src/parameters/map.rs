@@ -32,7 +32,7 @@ impl ParameterRange {
     /// [`ParameterError::Map`] for any other text.
     ///
     /// ```
-    /// use bracketry_lie::ParameterRange;
+    /// use bracketry_lie::parameters::ParameterRange;
     /// let [a, b] = ParameterRange::two("a=0..2, b=-1..1/2").unwrap();
     /// assert_eq!((a.name.as_str(), b.high.to_string().as_str()), ("a", "1/2"));
     /// assert!(ParameterRange::two("a=0..2").is_err());

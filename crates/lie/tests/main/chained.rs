@@ -1,7 +1,9 @@
 //! Chained forms: published systems, systems that are chained by construction, and systems that are not.
 
 use crate::common::{ratio, system};
-use bracketry_lie::{ChainedForm, ChainedForms, Evidence, NoChainedForm, VectorFields, mode_fields};
+use bracketry_lie::analysis::mode_fields;
+use bracketry_lie::forms::{ChainedForm, ChainedForms, NoChainedForm};
+use bracketry_lie::{Evidence, VectorFields};
 use bracketry_symbolic::{Expr, Pool};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;

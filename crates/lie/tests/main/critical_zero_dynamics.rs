@@ -1,7 +1,9 @@
 //! Zero dynamics with eigenvalues on the imaginary axis, whose stability is known by construction.
 
 use crate::common::system;
-use bracketry_lie::{AnalysisOptions, Answer, MinimumPhaseReason, ZeroDynamicsReport, analyze_affine};
+use bracketry_lie::feedback::ZeroDynamicsReport;
+use bracketry_lie::reason::MinimumPhaseReason;
+use bracketry_lie::{AnalysisOptions, Answer, analyze_affine};
 
 /// The system y' = u with z' = F(z) + y beside it: the zero dynamics of y are z' = F(z).
 fn zero_dynamics(states: &[&str], equations: &[&str]) -> ZeroDynamicsReport {

@@ -1,7 +1,8 @@
 //! Systems at the edge of what can be said: the answer is exact, unknown with a reason, or a clear error.
 
 use crate::common::{answered, ratio, system};
-use bracketry_lie::{AnalysisOptions, Answer, Error, PointReport, Report, Verdict, analyze_affine};
+use bracketry_lie::controllability::{PointReport, Verdict};
+use bracketry_lie::{AnalysisOptions, Answer, Error, Report, analyze_affine};
 use bracketry_system::System;
 
 fn report(s: &System) -> Report {

@@ -1,7 +1,8 @@
 //! The family of constant inputs and the affine form have the same dimensions, and neither depends on coordinates or
 //! feedback.
 
-use bracketry_lie::{AnalysisOptions, Answer, Family, Report, analyze_affine, family_dimensions};
+use bracketry_lie::analysis::{Family, family_dimensions};
+use bracketry_lie::{AnalysisOptions, Answer, Report, analyze_affine};
 use bracketry_system::{Method, System};
 use proptest::prelude::*;
 

@@ -1,7 +1,8 @@
 //! Flatness of systems that are linearizable by static feedback by construction.
 
 use crate::common::{shown, system};
-use bracketry_lie::{AnalysisOptions, FlatnessVerdict, analyze_affine};
+use bracketry_lie::feedback::FlatnessVerdict;
+use bracketry_lie::{AnalysisOptions, analyze_affine};
 use bracketry_system::System;
 
 /// Deterministic numbers 0, …, n − 1 (linear congruences).

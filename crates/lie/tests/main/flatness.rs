@@ -1,9 +1,8 @@
 //! Dynamic extension and flatness of systems whose answer is known.
 
 use crate::common::{fields, ratio, shown, system};
-use bracketry_lie::{
-    AnalysisOptions, Evidence, ExtensionLimits, FlatnessReport, FlatnessVerdict, Function, VectorFields, analyze_affine,
-};
+use bracketry_lie::feedback::{ExtensionLimits, FlatnessReport, FlatnessVerdict};
+use bracketry_lie::{AnalysisOptions, Evidence, Function, VectorFields, analyze_affine};
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 use bracketry_system::System;
 

@@ -1,6 +1,7 @@
 //! Global identifiability, identifiable combinations, known initial values, and unknown inputs, on published models.
 
-use bracketry_lie::{IdentifiabilityError, IdentifiabilityOptions, IdentifiabilityReport, identifiability};
+use bracketry_lie::identifiability;
+use bracketry_lie::observability::{IdentifiabilityError, IdentifiabilityOptions, IdentifiabilityReport};
 use bracketry_system::System;
 
 fn asked(model: &str, known: &[&str], unknown: &[&str]) -> IdentifiabilityReport {

@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::common::{fields, ratio, shown, system};
-use bracketry_lie::{
-    AnalysisOptions, Answer, Error, Evidence, HallBasis, HallTooLarge, VectorFields, Word, WordProblem, analyze_affine,
-    bracket, witt, witt_degrees,
-};
+use bracketry_lie::algebra::{HallBasis, HallTooLarge, Word, WordProblem, witt, witt_degrees};
+use bracketry_lie::{AnalysisOptions, Answer, Error, Evidence, VectorFields, analyze_affine, bracket};
 use bracketry_symbolic::{Bindings, Echelon, Fp, Pool, ZeroTest};
 
 /// An element of the free associative algebra: words of letters with coefficients.

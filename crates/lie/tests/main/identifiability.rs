@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::common::{elementary, ratio, system};
-use bracketry_lie::{AnalysisOptions, Answer, Evidence, Named, ObservabilityReport, observe};
+use bracketry_lie::observability::ObservabilityReport;
+use bracketry_lie::{AnalysisOptions, Answer, Evidence, Named, observe};
 use proptest::prelude::*;
 
 /// A model as text.

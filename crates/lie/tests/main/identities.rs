@@ -1,6 +1,7 @@
 //! The laws of the bracket, decided exactly on random fields, and independence of coordinates.
 
-use bracketry_lie::{Evidence, Field, VectorFields, adjoint, bracket};
+use bracketry_lie::algebra::adjoint;
+use bracketry_lie::{Evidence, Field, VectorFields, bracket};
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, ZeroTest};
 use proptest::prelude::*;
 

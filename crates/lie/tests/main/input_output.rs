@@ -1,9 +1,8 @@
 //! Relative degree, decoupling matrix, zero dynamics and static feedback linearization of systems from textbooks.
 
 use crate::common::{ratio, shown, system};
-use bracketry_lie::{
-    AnalysisOptions, Answer, ControlReport, LinearizationReport, Report, ZeroDynamicsReport, analyze_affine,
-};
+use bracketry_lie::feedback::{ControlReport, LinearizationReport, ZeroDynamicsReport};
+use bracketry_lie::{AnalysisOptions, Answer, Report, analyze_affine};
 use bracketry_symbolic::{Bindings, Rational};
 use bracketry_system::System;
 

@@ -1,9 +1,8 @@
 //! First integrals of distributions, against functions known by hand.
 
 use crate::common::{answered, ellipse, fields, ratio, system, texts};
-use bracketry_lie::{
-    AnalysisOptions, Answer, Evidence, Field, Integrals, adjoint, analyze_affine, integrals, involutive_closure,
-};
+use bracketry_lie::algebra::{Integrals, adjoint, integrals, involutive_closure};
+use bracketry_lie::{AnalysisOptions, Answer, Evidence, Field, analyze_affine};
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 
 /// A distribution from text, with the states of the space.

@@ -2,7 +2,8 @@
 //! change with it.
 
 use crate::common::system;
-use bracketry_lie::{AnalysisOptions, Answer, PointReport, Report, Verdict, analyze_affine};
+use bracketry_lie::controllability::{PointReport, Verdict};
+use bracketry_lie::{AnalysisOptions, Answer, Report, analyze_affine};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::System;
 use proptest::prelude::*;

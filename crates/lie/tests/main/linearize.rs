@@ -1,6 +1,7 @@
 //! Linear systems around a point: exact matrices, poles, zeros, ranks, Gramians, and gains.
 
-use bracketry_lie::{LinearAnalysis, LinearizeError, LinearizeOptions, NoGain, NotLinearizable, linearize};
+use bracketry_lie::linearize;
+use bracketry_lie::operating::{LinearAnalysis, LinearizeError, LinearizeOptions, NoGain, NotLinearizable};
 use bracketry_system::System;
 use nalgebra::DMatrix;
 use std::fmt::Write as _;

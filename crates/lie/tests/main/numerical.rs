@@ -1,7 +1,8 @@
 //! The exact dimensions agree with floating-point ranks of brackets by finite differences.
 
 use crate::common::{disk, ellipse, fields};
-use bracketry_lie::{Evidence, VectorFields, mode_fields};
+use bracketry_lie::analysis::mode_fields;
+use bracketry_lie::{Evidence, VectorFields};
 use bracketry_symbolic::{Expr, Pool, Tape};
 use bracketry_system::System;
 use nalgebra::{DMatrix, DVector};

@@ -1,7 +1,8 @@
 //! What outputs tell about states and parameters, against answers of the literature.
 
 use crate::common::{ratio, system};
-use bracketry_lie::{AnalysisOptions, Answer, Direction, Error, Evidence, Named, ObservabilityReport, observe};
+use bracketry_lie::observability::{Direction, ObservabilityReport};
+use bracketry_lie::{AnalysisOptions, Answer, Error, Evidence, Named, observe};
 
 /// Analyzes `x' = dynamics` with generic-looking values of the parameters.
 fn report_on(

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use bracketry_lie::{
+use bracketry_lie::parameters::{
     Aspect, AspectCases, AspectValue, Incomplete, ParameterError, ParameterOptions, ParameterRange, ParameterReport,
-    parameter_cases, parameter_map,
 };
+use bracketry_lie::{parameter_cases, parameter_map};
 use bracketry_system::System;
 
 fn report(text: &str, conditions: usize) -> ParameterReport {

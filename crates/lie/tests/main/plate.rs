@@ -1,7 +1,8 @@
 //! What the inputs of the hyper-plate reach: published model with four integrators.
 
 use crate::common::{answered, disk, ellipse};
-use bracketry_lie::{AnalysisOptions, Answer, Report, Verdict, analyze_affine};
+use bracketry_lie::controllability::Verdict;
+use bracketry_lie::{AnalysisOptions, Answer, Report, analyze_affine};
 
 const REST: &[(&str, &str)] = &[];
 

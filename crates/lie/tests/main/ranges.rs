@@ -1,7 +1,8 @@
 //! Local controllability of systems whose inputs have ranges, with answers known by construction.
 
 use crate::common::system;
-use bracketry_lie::{AnalysisOptions, InputValues, Stlc, Verdict, analyze_affine};
+use bracketry_lie::controllability::{InputValues, Stlc, Verdict};
+use bracketry_lie::{AnalysisOptions, analyze_affine};
 use proptest::prelude::*;
 
 const FAR: f64 = f64::INFINITY;

@@ -1,7 +1,9 @@
 //! The necessary condition for flatness by ruled manifolds, on systems whose velocities are ruled or not by construction.
 
 use crate::common::{ratio, system};
-use bracketry_lie::{AnalysisOptions, FlatnessReason, FlatnessReport, FlatnessVerdict, analyze, analyze_affine};
+use bracketry_lie::feedback::{FlatnessReport, FlatnessVerdict};
+use bracketry_lie::reason::FlatnessReason;
+use bracketry_lie::{AnalysisOptions, analyze, analyze_affine};
 use bracketry_system::System;
 
 fn general(s: &System) -> FlatnessReport {

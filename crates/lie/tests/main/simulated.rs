@@ -1,6 +1,7 @@
 //! Trajectories of a system and of its transformed form, compared.
 
-use bracketry_lie::{Form, NormalForm, TransformOptions, Transformation, transform};
+use bracketry_lie::forms::{Form, NormalForm, TransformOptions, Transformation};
+use bracketry_lie::transform;
 use bracketry_symbolic::{Expr, Symbol, Tape};
 use bracketry_system::System;
 use rand_like::Lcg;

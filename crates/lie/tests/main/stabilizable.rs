@@ -1,7 +1,9 @@
 //! Whether feedback stabilizes an equilibrium: systems with known answers, in coordinates that hide them.
 
 use crate::common::system;
-use bracketry_lie::{AnalysisOptions, Answer, InputValues, PointReport, StabilizableReason, Verdict, analyze_affine};
+use bracketry_lie::controllability::{InputValues, PointReport, Verdict};
+use bracketry_lie::reason::StabilizableReason;
+use bracketry_lie::{AnalysisOptions, Answer, analyze_affine};
 use proptest::prelude::*;
 
 /// What holds at the origin, or where the named variables have other values.

@@ -1,9 +1,8 @@
 //! Local controllability of systems whose answers are known.
 
 use crate::common::{shown, system};
-use bracketry_lie::{
-    AnalysisOptions, Answer, GeneralCondition, InputValues, PointReport, Report, Side, Verdict, analyze_affine,
-};
+use bracketry_lie::controllability::{GeneralCondition, InputValues, PointReport, Side, Verdict};
+use bracketry_lie::{AnalysisOptions, Answer, Report, analyze_affine};
 
 /// A system at its equilibrium 0 (if not said otherwise).
 struct Case {

@@ -1,10 +1,9 @@
 //! What switching reaches, and what holds where switching functions vanish.
 
 use crate::common::{ratio, shown, system};
-use bracketry_lie::{
-    AnalysisOptions, Answer, Evidence, InputValues, PointReport, Report, SwitchingTheorem, VectorFields, Verdict,
-    analyze_affine, mode_fields,
-};
+use bracketry_lie::analysis::mode_fields;
+use bracketry_lie::controllability::{InputValues, PointReport, SwitchingTheorem, Verdict};
+use bracketry_lie::{AnalysisOptions, Answer, Evidence, Report, VectorFields, analyze_affine};
 use bracketry_symbolic::Rational;
 use bracketry_system::System;
 

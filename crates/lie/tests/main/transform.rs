@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 
 use crate::simulated::rand_like::Lcg;
 use crate::simulated::{assert_same_motion, disguised, found, model, parsed, to};
-use bracketry_lie::{
-    BlockKind, Form, FormNote, FormOutcome, Obstacle, PartKind, TransformError, TransformOptions, transform,
+use bracketry_lie::forms::{
+    BlockKind, Form, FormNote, FormOutcome, Obstacle, PartKind, TransformError, TransformOptions,
 };
+use bracketry_lie::transform;
 use bracketry_system::System;
 
 #[test]
@@ -121,7 +122,7 @@ fn outputs_without_a_vector_relative_degree_are_refused() {
 }
 
 /// Dimensions of the four parts: controllable and observable, only controllable, only observable, neither.
-fn dimensions(form: &bracketry_lie::NormalForm) -> [usize; 4] {
+fn dimensions(form: &bracketry_lie::forms::NormalForm) -> [usize; 4] {
     let of = |kind: &BlockKind| form.blocks.iter().find(|b| b.kind == *kind).map_or(0, |b| b.states.len());
     [
         BlockKind::ControllableObservable,
@@ -184,7 +185,7 @@ fn kalman_parts_are_recovered_from_random_unimodular_changes() {
         block_triangular(&form);
         // The minimal part has the transfer function 1/(s² + 3 s + 2).
         let minimal = &form.parts[0].system;
-        let linear = bracketry_lie::linearize(minimal, &bracketry_lie::LinearizeOptions::default()).unwrap();
+        let linear = bracketry_lie::linearize(minimal, &bracketry_lie::operating::LinearizeOptions::default()).unwrap();
         let mut poles: Vec<f64> = linear.poles.unwrap().iter().map(|p| p.re).collect();
         poles.sort_by(f64::total_cmp);
         assert_eq!(poles, [-2.0, -1.0]);
@@ -193,7 +194,7 @@ fn kalman_parts_are_recovered_from_random_unimodular_changes() {
 }
 
 /// No input enters the uncontrollable parts, no controllable state either, and no unobservable state the observable parts.
-fn block_triangular(form: &bracketry_lie::NormalForm) {
+fn block_triangular(form: &bracketry_lie::forms::NormalForm) {
     let [both, reached, seen, _] = dimensions(form);
     let s = &form.system;
     for (k, &rate) in s.dynamics.iter().enumerate() {

@@ -1,9 +1,8 @@
 //! Decompositions by accessibility and observability, observer form, and flat parametrization.
 
 use crate::simulated::{assert_same_motion, disguised, found, model, parsed, to};
-use bracketry_lie::{
-    BlockKind, Form, FormNote, FormOutcome, NormalForm, Obstacle, PartKind, TransformOptions, transform,
-};
+use bracketry_lie::forms::{BlockKind, Form, FormNote, FormOutcome, NormalForm, Obstacle, PartKind, TransformOptions};
+use bracketry_lie::transform;
 
 fn sizes(form: &NormalForm) -> Vec<usize> {
     form.blocks.iter().map(|b| b.states.len()).collect()

@@ -1,6 +1,7 @@
 //! Operating points: found, confirmed exactly where they are simple constants, and honest where there are none.
 
-use bracketry_lie::{LinearModel, Rest, Trim, TrimNote, TrimOptions, TrimStatus, trim};
+use bracketry_lie::operating::{LinearModel, Rest, Trim, TrimNote, TrimOptions, TrimStatus};
+use bracketry_lie::trim;
 use bracketry_system::{System, point};
 use std::fmt::Write as _;
 

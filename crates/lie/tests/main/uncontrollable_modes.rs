@@ -1,7 +1,8 @@
 //! Linear systems with known eigenvalues that no input reaches, in coordinates that hide them.
 
 use crate::common::system;
-use bracketry_lie::{AnalysisOptions, Answer, PointReport, UncontrollableMode, analyze_affine};
+use bracketry_lie::controllability::{PointReport, UncontrollableMode};
+use bracketry_lie::{AnalysisOptions, Answer, analyze_affine};
 use proptest::prelude::*;
 
 fn report(states: &[String], dynamics: &[String]) -> PointReport {

@@ -1,6 +1,7 @@
 //! What the benchmarks of closed loops share.
 
-use bracketry_mpc::{ControlProblem, Controller, Plant, Step};
+use bracketry_mpc::controller::Step;
+use bracketry_mpc::{ControlProblem, Controller, Plant};
 
 /// One closed loop from the state of the problem: its samples and its sum of squared inputs.
 pub(crate) fn closed_loop(

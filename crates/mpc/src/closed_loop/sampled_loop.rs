@@ -25,7 +25,7 @@ pub struct LoopSettings<'a> {
     /// Noise on the measured outputs.
     pub noise: Option<NoiseFunction<'a>>,
     /// Samples between the measurement that an input answers and its application. A controller that knows of them is a
-    /// [`DelayCompensated`](crate::DelayCompensated) one.
+    /// [`DelayCompensated`](crate::closed_loop::DelayCompensated) one.
     pub delay: usize,
     /// Input before the first decision acts: that of the first `delay` samples, and what rates of inputs start from; zero when
     /// empty.

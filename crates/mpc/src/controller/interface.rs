@@ -18,7 +18,7 @@ macro_rules! forward_to {
         }
     };
     (@ feedback, $this:ident, $inner:expr) => {
-        fn feedback(&mut $this, x: &[f64]) -> Result<&$crate::Step, $crate::MpcError> {
+        fn feedback(&mut $this, x: &[f64]) -> Result<&$crate::controller::Step, $crate::MpcError> {
             $inner.feedback(x)
         }
     };
@@ -33,7 +33,7 @@ macro_rules! forward_to {
         }
     };
     (@ estimate, $this:ident, $inner:expr) => {
-        fn estimate(&$this) -> Option<&$crate::Estimate> {
+        fn estimate(&$this) -> Option<&$crate::estimation::Estimate> {
             $inner.estimate()
         }
     };
@@ -58,7 +58,7 @@ macro_rules! forward_to {
         }
     };
     (@ limit_next_step, $this:ident, $inner:expr) => {
-        fn limit_next_step(&mut $this, limits: $crate::StepLimits) {
+        fn limit_next_step(&mut $this, limits: $crate::controller::StepLimits) {
             $inner.limit_next_step(limits);
         }
     };
@@ -68,7 +68,7 @@ macro_rules! forward_to {
         }
     };
     (@ figures, $this:ident, $inner:expr) => {
-        fn figures(&$this) -> $crate::PlanErrors {
+        fn figures(&$this) -> $crate::controller::PlanErrors {
             $inner.figures()
         }
     };
@@ -127,7 +127,7 @@ pub trait Controller: Send {
         self.shift();
         Ok(step)
     }
-    /// What the last measurement told, where an [`Estimator`](crate::Estimator) stands in between.
+    /// What the last measurement told, where an [`Estimator`](crate::estimation::Estimator) stands in between.
     fn estimate(&self) -> Option<&Estimate> {
         None
     }

@@ -14,7 +14,7 @@ use crate::error::{MpcError, check_value};
 /// between neighboring values.
 ///
 /// ```
-/// use bracketry_mpc::SumUpRounding;
+/// use bracketry_mpc::controller::SumUpRounding;
 /// let mut rounding = SumUpRounding::new(&[0.0, 1.0]).unwrap();
 /// let rounded: Vec<f64> = (0..5).map(|_| rounding.round(0.4, 0.1)).collect();
 /// assert_eq!(rounded, [0.0, 1.0, 0.0, 1.0, 0.0]);

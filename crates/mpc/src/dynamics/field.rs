@@ -53,7 +53,8 @@ pub trait Dynamics: Send {
 /// Dynamics given by a function that writes f and the dense Jacobian ∂f/∂(x, u), row by row.
 ///
 /// ```
-/// use bracketry_mpc::{Dynamics, FieldDynamics};
+/// use bracketry_mpc::Dynamics;
+/// use bracketry_mpc::dynamics::FieldDynamics;
 /// let mut pendulum = FieldDynamics::new(2, 1, |_t, x, u, dx, jac| {
 ///     dx.copy_from_slice(&[x[1], u[0] - x[0].sin()]);
 ///     jac.copy_from_slice(&[0.0, 1.0, 0.0, -x[0].cos(), 0.0, 1.0]);

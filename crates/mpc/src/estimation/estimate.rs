@@ -23,9 +23,9 @@ pub enum EstimateStatus {
 pub struct Estimate {
     /// The states of the model.
     pub x: Vec<f64>,
-    /// The estimated parameters, in the order of [`EstimationProblem::parameters`](crate::EstimationProblem).
+    /// The estimated parameters, in the order of [`EstimationProblem::parameters`](crate::estimation::EstimationProblem).
     pub parameters: Vec<f64>,
-    /// The disturbances, in the order of [`EstimationProblem::disturbances`](crate::EstimationProblem).
+    /// The disturbances, in the order of [`EstimationProblem::disturbances`](crate::estimation::EstimationProblem).
     pub disturbance: Vec<f64>,
     /// Standard deviations of states, parameters and disturbances, one after the other, as the linearization gives them.
     pub std: Vec<f64>,

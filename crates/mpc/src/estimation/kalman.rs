@@ -23,7 +23,7 @@ const DISTRUST: usize = 10;
 /// Schmidt, Application of state-space methods to navigation problems, 1966.
 ///
 /// ```
-/// use bracketry_mpc::{Estimator, EstimationProblem, ExtendedKalman, MeasuredOutput};
+/// use bracketry_mpc::estimation::{Estimator, EstimationProblem, ExtendedKalman, MeasuredOutput};
 /// use bracketry_system::System;
 /// let mass = System::parse("mass.toml", r#"
 ///     states = ["x", "v"]

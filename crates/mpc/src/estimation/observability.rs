@@ -22,7 +22,7 @@ impl EstimationProblem {
     /// finite, or grows beyond all numbers, nothing can be said, and there is no error.
     ///
     /// ```
-    /// use bracketry_mpc::{Disturbance, DisturbanceChannel, EstimationProblem, MeasuredOutput};
+    /// use bracketry_mpc::estimation::{Disturbance, DisturbanceChannel, EstimationProblem, MeasuredOutput};
     /// use bracketry_system::System;
     /// let text = "states = [\"x\", \"v\"]\ninputs = [\"a\"]\ndynamics = { x = \"v\", v = \"a\" }";
     /// let mass = System::parse("mass.toml", text).unwrap();

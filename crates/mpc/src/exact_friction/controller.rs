@@ -83,9 +83,8 @@ impl StickSlipSettings {
 /// hard to push, and the push is taken when its exact roll-out costs less. Nothing sticks or breaks loose but for a gain.
 ///
 /// ```
-/// use bracketry_mpc::{
-///     Controller, CostFunction, CostKind, Ocp, StickSlipController, StickSlipSettings, PlannedTrajectory,
-/// };
+/// use bracketry_mpc::{Controller, CostFunction, CostKind, Ocp, StickSlipController, PlannedTrajectory};
+/// use bracketry_mpc::exact_friction::StickSlipSettings;
 /// use bracketry_system::System;
 /// let block = System::parse("block.toml", r#"
 ///     states = ["x", "v"]

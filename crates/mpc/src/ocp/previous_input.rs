@@ -6,6 +6,6 @@ pub struct PreviousInput {
     /// Index of the input.
     pub input: usize,
     /// Smallest and largest rate (change from one interval to the next, divided by dt) that inputs of a failure policy may
-    /// have. The rate of planned inputs is limited by a [`PathConstraint`](crate::PathConstraint).
+    /// have. The rate of planned inputs is limited by a [`PathConstraint`](crate::ocp::PathConstraint).
     pub rate: (f64, f64),
 }

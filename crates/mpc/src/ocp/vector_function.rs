@@ -27,7 +27,7 @@ impl VectorFunction {
     /// Reads one expression per component over the names of a system, the time `t` and references.
     ///
     /// ```
-    /// use bracketry_mpc::VectorFunction;
+    /// use bracketry_mpc::ocp::VectorFunction;
     /// use bracketry_system::System;
     /// let system = System::parse("point.toml", r#"
     ///     states = ["p", "v"]

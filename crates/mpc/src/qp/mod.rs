@@ -1,6 +1,6 @@
-//! The quadratic program of one iteration, on Clarabel.
+//! The quadratic program of one iteration, on a Riccati recursion or on Clarabel.
 //!
-//! [`Assembly`] fills a [`StageProgram`] from the problem; a [`QpBackend`] solves it. The structure is fixed by the problem,
+//! An assembly fills a [`StageProgram`] from the problem; a [`QpBackend`] solves it. The structure is fixed by the problem,
 //! so everything is laid out once and only numbers are replaced afterwards. Hard constraints on states are exact penalties
 //! with slacks: a program without a feasible point becomes the one with the smallest weighted violation, and its status says
 //! so.

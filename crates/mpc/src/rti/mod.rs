@@ -2,7 +2,7 @@
 //!
 //! Preparation, before the measurement: linearize along the shifted trajectory and fill the program. Feedback, after it:
 //! linearize the first interval at the measured state, solve, apply the first input. A sample without a solution gets the
-//! input of the [`FailurePolicy`].
+//! input of the [`FailurePolicy`](crate::controller::FailurePolicy).
 
 mod advanced_step;
 mod settings;

@@ -1,10 +1,13 @@
 //! Programs solved ahead of the measurement.
 
 use approx::assert_relative_eq;
+use bracketry_mpc::closed_loop::{LoopSettings, RungeKuttaPlant};
+use bracketry_mpc::controller::InputSource;
+use bracketry_mpc::ocp::{Bounds, Softness, Substeps};
+use bracketry_mpc::rti::Preparation;
 use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, InputSource, LoopSettings, MpcError, Ocp, PlannedTrajectory, Preparation, Rti,
-    RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpSettings, Substeps, SymbolicDynamics, TerminalTarget,
-    run_closed_loop,
+    CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, Rti, RtiSettings, Sqp, SqpSettings, SymbolicDynamics,
+    TerminalTarget, run_closed_loop,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;

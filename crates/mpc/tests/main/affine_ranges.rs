@@ -1,6 +1,7 @@
 //! A controller on an affine form keeps the new inputs within what the ranges of the old ones allow.
 
-use bracketry_mpc::{ControlProblem, RungeKuttaPlant, SymbolicDynamics};
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::{ControlProblem, SymbolicDynamics};
 use bracketry_system::System;
 
 /// An epidemic with contacts reduced by exp(−u): the new input v = exp(−u) lies in [e⁻², 1].

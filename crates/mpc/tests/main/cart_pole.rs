@@ -1,8 +1,11 @@
 //! Swing-up of a cart-pole: the closed-loop cost of a published benchmark.
 
+use bracketry_mpc::closed_loop::{LoopSettings, RungeKuttaPlant};
+use bracketry_mpc::ocp::Substeps;
+use bracketry_mpc::sqp::SqpController;
 use bracketry_mpc::{
-    CostFunction, CostKind, LoopSettings, Ocp, PlannedTrajectory, Rti, RtiSettings, RungeKuttaPlant, Sqp,
-    SqpController, SqpSettings, Substeps, SymbolicDynamics, run_closed_loop,
+    CostFunction, CostKind, Ocp, PlannedTrajectory, Rti, RtiSettings, Sqp, SqpSettings, SymbolicDynamics,
+    run_closed_loop,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;

@@ -1,7 +1,9 @@
 //! Bounds that hold with a probability: their margins are those of the linear system, and the loop violates them about as often.
 
 use crate::common::{dense, noise::Noise, reports::read};
-use bracketry_mpc::{ControlProblem, MarginFeedback, control, dare};
+use bracketry_mpc::problem::MarginFeedback;
+use bracketry_mpc::riccati::dare;
+use bracketry_mpc::{ControlProblem, control};
 
 const LAG: &str = r#"
     states = ["x"]

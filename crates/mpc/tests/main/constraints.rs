@@ -1,9 +1,11 @@
 //! Path constraints, cones, blocks of inputs and the terminal set, where the solution is known.
 
 use approx::assert_relative_eq;
+use bracketry_mpc::ocp::{Bounds, NormConstraint, PathConstraint, Softness, TerminalSet, VectorFunction};
+use bracketry_mpc::qp::{ProgramForm, QpSettings};
+use bracketry_mpc::sqp::Solution;
 use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, MpcError, NormConstraint, Ocp, PathConstraint, PlannedTrajectory, ProgramForm,
-    QpSettings, Softness, Solution, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, TerminalSet, VectorFunction,
+    CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, SolveStatus, Sqp, SqpSettings, SymbolicDynamics,
 };
 use bracketry_system::System;
 use nalgebra::{DMatrix, DVector};

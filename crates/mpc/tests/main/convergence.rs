@@ -2,9 +2,11 @@
 //!
 //! Reference costs are those of CasADi and IPOPT for the same discretized problem from the same guess.
 
+use bracketry_mpc::ocp::Substeps;
+use bracketry_mpc::problem::{Convergence, Method};
+use bracketry_mpc::sqp::{Hessian, Solution};
 use bracketry_mpc::{
-    ControlProblem, Convergence, CostFunction, CostKind, Hessian, Method, Ocp, PlannedTrajectory, Solution,
-    SolveStatus, Sqp, SqpSettings, Substeps, SymbolicDynamics,
+    ControlProblem, CostFunction, CostKind, Ocp, PlannedTrajectory, SolveStatus, Sqp, SqpSettings, SymbolicDynamics,
 };
 use bracketry_system::System;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -21,7 +23,7 @@ fn plan(mut problem: ControlProblem, hessian: Hessian) -> Solution {
     problem.method = Method::Plan {
         convergence: Convergence { hessian, ..Convergence::default() },
         margin: 0.0,
-        feedback: bracketry_mpc::Feedback::default(),
+        feedback: bracketry_mpc::problem::Feedback::default(),
     };
     problem.plan().unwrap()
 }

@@ -1,9 +1,10 @@
 //! Estimation against exact stick and slip, and against the Kalman filter where all is linear.
 
 use crate::common::{exact_plant, noise::Noise};
-use bracketry_mpc::{
+use bracketry_mpc::Plant;
+use bracketry_mpc::estimation::{
     Disturbance, DisturbanceChannel, Estimate, EstimateStatus, EstimatedParameter, EstimationProblem, Estimator,
-    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, Plant,
+    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings,
 };
 use bracketry_symbolic::Rational;
 use bracketry_system::System;

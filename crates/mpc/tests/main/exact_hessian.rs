@@ -1,8 +1,10 @@
 //! The exact Hessian of the Lagrangian: convergence, and the same solutions as without it.
 
+use bracketry_mpc::dynamics::FieldDynamics;
+use bracketry_mpc::qp::{ProgramForm, QpSettings};
+use bracketry_mpc::sqp::{Hessian, Solution};
 use bracketry_mpc::{
-    CostFunction, CostKind, FieldDynamics, Hessian, MpcError, Ocp, PlannedTrajectory, ProgramForm, QpSettings,
-    Solution, SolveStatus, Sqp, SqpSettings, SymbolicDynamics,
+    CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, SolveStatus, Sqp, SqpSettings, SymbolicDynamics,
 };
 use bracketry_system::System;
 

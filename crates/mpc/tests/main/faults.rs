@@ -2,10 +2,13 @@
 
 use crate::common::double_integrator;
 use approx::assert_relative_eq;
+use bracketry_mpc::closed_loop::{ClosedLoop, DelayCompensated, Fault, LoopSettings, RungeKuttaPlant};
+use bracketry_mpc::controller::{Brake, FailurePolicy, FallbackReason, InputSource, StepStatus};
+use bracketry_mpc::estimation::{Estimate, EstimateStatus, Estimator, OutputFeedback};
+use bracketry_mpc::ocp::{Bounds, Softness};
+use bracketry_mpc::sqp::SqpController;
 use bracketry_mpc::{
-    Bounds, Brake, ClosedLoop, Controller, CostFunction, CostKind, DelayCompensated, Estimate, EstimateStatus,
-    Estimator, FailurePolicy, FallbackReason, Fault, InputSource, LoopSettings, MpcError, Ocp, OutputFeedback,
-    PlannedTrajectory, Rti, RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpController, SqpSettings, StepStatus,
+    Controller, CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, Rti, RtiSettings, Sqp, SqpSettings,
     SymbolicDynamics, run_closed_loop,
 };
 
@@ -60,7 +63,7 @@ fn every_fault_is_counted_by_its_reason_and_the_plan_takes_over() {
     let cases: [(Fault, FallbackReason, Count); 4] = [
         (Fault::LostSample, FallbackReason::LostSample, |r| r.counts.reasons.lost_sample),
         (Fault::NotANumber { outputs: vec![1] }, FallbackReason::Measurement, |r| r.counts.reasons.measurement),
-        (Fault::SolverLimit(1), FallbackReason::Qp(bracketry_mpc::QpStatus::Limit), |r| r.counts.reasons.qp_limit),
+        (Fault::SolverLimit(1), FallbackReason::Qp(bracketry_mpc::qp::QpStatus::Limit), |r| r.counts.reasons.qp_limit),
         (Fault::TimeLimit(1e-9), FallbackReason::TimeLimit, |r| r.counts.reasons.time_limit),
     ];
     for (fault, reason, count) in cases {

@@ -1,7 +1,9 @@
 //! Inputs of finite sets: sum-up rounding keeps its bound, and nothing but the values is applied.
 
 use crate::common::reports::read;
-use bracketry_mpc::{Note, SumUpRounding, control};
+use bracketry_mpc::control;
+use bracketry_mpc::controller::SumUpRounding;
+use bracketry_mpc::problem::Note;
 use proptest::prelude::*;
 
 /// The temperature of a heated room.

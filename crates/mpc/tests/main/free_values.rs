@@ -1,7 +1,8 @@
 //! Free end times and free parameters: known optima, what the loop makes of them, and what is refused.
 
 use crate::common::reports::read_with_model as read;
-use bracketry_mpc::{ControlRun, FoundValues, control};
+use bracketry_mpc::control;
+use bracketry_mpc::problem::{ControlRun, FoundValues};
 
 const MASS: &str = r#"
     states = ["x", "v"]

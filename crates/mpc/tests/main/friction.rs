@@ -1,8 +1,10 @@
 //! Control on dry friction, judged on the exact stick–slip plant alone.
 
+use bracketry_mpc::closed_loop::{ClosedLoop, Fault, LoopSettings};
+use bracketry_mpc::exact_friction::StickSlipSettings;
+use bracketry_mpc::problem::Method;
 use bracketry_mpc::{
-    ClosedLoop, ControlProblem, CostFunction, CostKind, Fault, LoopSettings, Method, MpcError, Ocp, PlannedTrajectory,
-    StickSlipController, StickSlipSettings, run_closed_loop,
+    ControlProblem, CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, StickSlipController, run_closed_loop,
 };
 use bracketry_system::System;
 

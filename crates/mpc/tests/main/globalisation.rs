@@ -1,9 +1,8 @@
 //! The filter method: second-order correction, damping, and the end of the iteration.
 
-use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, Iteration, Ocp, PathConstraint, PlannedTrajectory, Softness, Solution, SolveStatus,
-    Sqp, SqpSettings, Substeps, SymbolicDynamics, VectorFunction,
-};
+use bracketry_mpc::ocp::{Bounds, PathConstraint, Softness, Substeps, VectorFunction};
+use bracketry_mpc::sqp::{Iteration, Solution};
+use bracketry_mpc::{CostFunction, CostKind, Ocp, PlannedTrajectory, SolveStatus, Sqp, SqpSettings, SymbolicDynamics};
 use bracketry_system::System;
 use std::f64::consts::PI;
 

@@ -1,7 +1,9 @@
 //! Costs and bounds of the rates of inputs: what they are, whatever the method and whatever stands between controller and plant.
 
 use crate::common::{dense, reports::read};
-use bracketry_mpc::{InputSource, control, dare};
+use bracketry_mpc::control;
+use bracketry_mpc::controller::InputSource;
+use bracketry_mpc::riccati::dare;
 use nalgebra::{DMatrix, DVector};
 
 const INTEGRATOR: &str = r#"

@@ -2,9 +2,9 @@
 //! problems: `python benches/peers/control_references.py` prints them.
 
 use crate::common::exact_plant;
-use bracketry_mpc::{
-    ClosedLoopReport, ControlProblem, Convergence, Feedback, Method, Plant, RungeKuttaPlant, SymbolicDynamics,
-};
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::problem::{ClosedLoopReport, Convergence, Feedback, Method};
+use bracketry_mpc::{ControlProblem, Plant, SymbolicDynamics};
 
 fn run(name: &str) -> ClosedLoopReport {
     run_problem(&ControlProblem::read(crate::common::model_path(&format!("{name}.toml"))).unwrap())

@@ -2,9 +2,9 @@
 //! problem from the same guess (`python benches/peers/known_systems.py --references`).
 
 use crate::common::exact_plant;
-use bracketry_mpc::{
-    ClosedLoopReport, ControlProblem, Convergence, Feedback, Method, Plant, RungeKuttaPlant, SymbolicDynamics,
-};
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::problem::{ClosedLoopReport, Convergence, Feedback, Method};
+use bracketry_mpc::{ControlProblem, Plant, SymbolicDynamics};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

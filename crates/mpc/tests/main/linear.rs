@@ -2,9 +2,13 @@
 
 use crate::common::double_integrator;
 use approx::assert_relative_eq;
+use bracketry_mpc::controller::{FallbackReason, StepStatus};
+use bracketry_mpc::ocp::{Bounds, Softness, Substeps};
+use bracketry_mpc::qp::QpStatus;
+use bracketry_mpc::rti::Horizon;
 use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, FallbackReason, Horizon, MpcError, Ocp, PlannedTrajectory, QpStatus, Rti,
-    RtiSettings, Softness, SolveStatus, Sqp, SqpSettings, StepStatus, Substeps, SymbolicDynamics, TerminalTarget,
+    CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, Rti, RtiSettings, SolveStatus, Sqp, SqpSettings,
+    SymbolicDynamics, TerminalTarget,
 };
 use bracketry_system::System;
 use nalgebra::{DMatrix, DVector, Matrix2, RowVector2, Vector2};

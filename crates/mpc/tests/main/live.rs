@@ -1,8 +1,9 @@
 //! A controller that is stepped from outside is the one of the closed loop, and outlives whatever is measured.
 
-use bracketry_mpc::{
-    Change, ControlProblem, InputSource, LiveController, MpcError, Plant, RungeKuttaPlant, SymbolicDynamics,
-};
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::controller::InputSource;
+use bracketry_mpc::live::Change;
+use bracketry_mpc::{ControlProblem, LiveController, MpcError, Plant, SymbolicDynamics};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -165,7 +166,7 @@ fn passed_samples_move_the_horizon() {
         fresh.x0.clone_from(&x);
         fresh.schedule.references[0] = {
             let (start, reference) = (k as f64 * 0.05, problem.schedule.references[0].clone());
-            bracketry_mpc::Scheduled::new("r", move |t| reference.at(t + start))
+            bracketry_mpc::problem::Scheduled::new("r", move |t| reference.at(t + start))
         };
         fresh.schedule.write(&mut fresh.ocp, 0, 100);
         let expected = fresh.controller().unwrap().step(&x).unwrap().step.u[0];

@@ -1,7 +1,9 @@
 //! The method that a problem needs is chosen without being asked.
 
 use crate::common::reports::{PENDULUM, SPRING_MASS, TO_TARGET, problem, run};
-use bracketry_mpc::{ControlProblem, Method, MethodReason, Note, Substeps, control};
+use bracketry_mpc::ocp::Substeps;
+use bracketry_mpc::problem::{Method, MethodReason, Note};
+use bracketry_mpc::{ControlProblem, control};
 
 const DC_MOTOR: &str = r#"
     states = ["phi", "w", "i"]

@@ -2,10 +2,11 @@
 //! squares; bounds, outliers, stick and slip are where it differs.
 
 use crate::common::noise::Noise;
-use bracketry_mpc::{
+use bracketry_mpc::estimation::{
     Disturbance, DisturbanceChannel, EstimatedParameter, EstimationProblem, Estimator, ExtendedKalman, MeasuredOutput,
-    MovingHorizon, MovingHorizonSettings, Outliers, QpSettings,
+    MovingHorizon, MovingHorizonSettings, Outliers,
 };
+use bracketry_mpc::qp::QpSettings;
 use bracketry_system::System;
 use nalgebra::{Const, DMatrix, DVector, Dyn, Matrix3, OMatrix, RowVector3, Vector3};
 

@@ -1,11 +1,13 @@
 //! Steady-state targets, and control without offset and without hunting on exact stick and slip.
 
 use crate::common::{exact_plant, noise::Noise};
+use bracketry_mpc::closed_loop::{ClosedLoop, DelayCompensated, LoopSettings};
+use bracketry_mpc::estimation::{
+    Disturbance, DisturbanceChannel, EstimationProblem, Estimator, ExtendedKalman, MeasuredOutput, MovingHorizon,
+    MovingHorizonSettings, OffsetFree, OutputFeedback, TargetCalculator, TargetStatus,
+};
 use bracketry_mpc::{
-    ClosedLoop, CostFunction, CostKind, DelayCompensated, Disturbance, DisturbanceChannel, EstimationProblem,
-    Estimator, ExtendedKalman, LoopSettings, MeasuredOutput, MovingHorizon, MovingHorizonSettings, Ocp, OffsetFree,
-    OutputFeedback, PlannedTrajectory, Plant, PlantFailure, Rti, RtiSettings, TargetCalculator, TargetStatus,
-    run_closed_loop,
+    CostFunction, CostKind, Ocp, PlannedTrajectory, Plant, PlantFailure, Rti, RtiSettings, run_closed_loop,
 };
 use bracketry_sim::ExactPlant;
 use bracketry_system::System;

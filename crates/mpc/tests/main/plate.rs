@@ -1,6 +1,7 @@
 //! The plate moves an object without grasping it: position and orientation together, on exact stick–slip friction.
 
-use bracketry_mpc::{ControlProblem, ControlRun, SolveStatus};
+use bracketry_mpc::problem::ControlRun;
+use bracketry_mpc::{ControlProblem, SolveStatus};
 use bracketry_symbolic::Rational;
 use bracketry_system::System;
 use std::f64::consts::PI;

@@ -1,6 +1,9 @@
 //! Problem files: what they say is what runs, and what is wrong in them is named.
 
-use bracketry_mpc::{ControlProblem, Method, RungeKuttaPlant, Softness, SymbolicDynamics};
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::ocp::Softness;
+use bracketry_mpc::problem::Method;
+use bracketry_mpc::{ControlProblem, SymbolicDynamics};
 use std::f64::consts::PI;
 
 const CART_POLE: &str = include_str!("../../../../models/cart_pole_swing_up.toml");

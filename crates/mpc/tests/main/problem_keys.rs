@@ -1,8 +1,10 @@
 //! Keys of problem files beyond the simplest ones: what they do in the loop, and what is said about mistakes in them.
 
-use bracketry_mpc::{
-    ClosedLoopReport, ControlProblem, FailurePolicy, Integrator, RungeKuttaPlant, Softness, Substeps, SymbolicDynamics,
-};
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::controller::FailurePolicy;
+use bracketry_mpc::ocp::{Softness, Substeps};
+use bracketry_mpc::problem::ClosedLoopReport;
+use bracketry_mpc::{ControlProblem, Integrator, SymbolicDynamics};
 use bracketry_system::System;
 
 const CART: &str = r#"

@@ -1,6 +1,7 @@
 //! Mistakes in problem files are said, with their place and a remedy, before anything is solved.
 
-use bracketry_mpc::{ClosedLoopReport, ControlProblem, Note, control};
+use bracketry_mpc::problem::{ClosedLoopReport, Note};
+use bracketry_mpc::{ControlProblem, control};
 use bracketry_system::System;
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,13 @@
 //! Random closed loops with random faults: every sample has an input within its bounds, and the counts add up.
 
+use bracketry_mpc::closed_loop::{DelayCompensated, Fault, LoopSettings, RungeKuttaPlant};
+use bracketry_mpc::controller::{Brake, FailurePolicy};
+use bracketry_mpc::ocp::{Bounds, Softness, Substeps};
+use bracketry_mpc::rti::Preparation;
+use bracketry_mpc::sqp::SqpController;
 use bracketry_mpc::{
-    Bounds, Brake, Controller, CostFunction, CostKind, DelayCompensated, FailurePolicy, Fault, LoopSettings, Ocp,
-    PlannedTrajectory, Preparation, Rti, RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpController, SqpSettings,
-    Substeps, SymbolicDynamics, TerminalTarget, run_closed_loop,
+    Controller, CostFunction, CostKind, Ocp, PlannedTrajectory, Rti, RtiSettings, Sqp, SqpSettings, SymbolicDynamics,
+    TerminalTarget, run_closed_loop,
 };
 use bracketry_system::System;
 use proptest::prelude::*;

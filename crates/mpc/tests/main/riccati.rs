@@ -1,8 +1,9 @@
 //! The infinite horizon as a terminal cost.
 
 use approx::assert_relative_eq;
+use bracketry_mpc::riccati::dare;
 use bracketry_mpc::{
-    CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, dare,
+    CostFunction, CostKind, MpcError, Ocp, PlannedTrajectory, SolveStatus, Sqp, SqpSettings, SymbolicDynamics,
 };
 use bracketry_system::System;
 use nalgebra::DMatrix;

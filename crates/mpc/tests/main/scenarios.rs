@@ -1,7 +1,9 @@
 //! Scenario trees: what they are by an independent solution, and that they keep bounds which a controller of one model does not.
 
 use crate::common::reports::read;
-use bracketry_mpc::{Change, ProblemError, control};
+use bracketry_mpc::control;
+use bracketry_mpc::live::Change;
+use bracketry_mpc::problem::ProblemError;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2xX, Vector2};
 use proptest::prelude::*;
 

@@ -1,6 +1,7 @@
 //! Planning and running end with an error once the flag of the problem is raised, whatever the method.
 
-use bracketry_mpc::{ControlProblem, MpcError, RungeKuttaPlant, SymbolicDynamics};
+use bracketry_mpc::closed_loop::RungeKuttaPlant;
+use bracketry_mpc::{ControlProblem, MpcError, SymbolicDynamics};
 use bracketry_system::System;
 
 #[test]

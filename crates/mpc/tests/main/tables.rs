@@ -1,6 +1,7 @@
 //! References and parameters from tables.
 
-use bracketry_mpc::{ControlProblem, ProblemError, control};
+use bracketry_mpc::problem::ProblemError;
+use bracketry_mpc::{ControlProblem, control};
 use bracketry_system::System;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,8 @@
 //! Runs that fail without a failing sample are told so, with the reason; healthy ones are not accused.
 
 use crate::common::reports::{PENDULUM, SPRING_MASS, TO_TARGET, run};
-use bracketry_mpc::{ClosedLoopReport, ControlProblem, Note};
+use bracketry_mpc::ControlProblem;
+use bracketry_mpc::problem::{ClosedLoopReport, Note};
 use bracketry_system::System;
 
 #[test]

@@ -1,8 +1,7 @@
 //! Where a run violates a bound or constraint most: by definition, on random runs, and in a closed loop.
 
-use bracketry_mpc::{
-    BoundSide, Bounded, Bounds, ControlProblem, Ocp, PathConstraint, Softness, VectorFunction, control,
-};
+use bracketry_mpc::ocp::{BoundSide, Bounded, Bounds, PathConstraint, Softness, VectorFunction};
+use bracketry_mpc::{ControlProblem, Ocp, control};
 use bracketry_system::System;
 use proptest::prelude::*;
 

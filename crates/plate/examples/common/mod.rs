@@ -1,9 +1,11 @@
 //! What the examples with figures share: models by name, progress, the folder of the figures.
 
 use anyhow::Context;
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::experiment::{AmplitudeStep, Coordinate, Experiment, Limits, Summary, summarize};
+use bracketry_plate::model::Terms;
 use bracketry_plate::{
-    AmplitudeStep, AreaContact, AreaObject, AreaSettings, Coordinate, DrivenObject, Experiment, Friction, Limits,
-    ModelObject, Object, PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarize,
+    AreaObject, DrivenObject, Friction, ModelObject, Object, PlateError, Shape, first_principles, published, reduced,
 };
 use bracketry_plot::Drawing;
 use bracketry_sim::SimulationSettings;

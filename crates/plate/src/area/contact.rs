@@ -20,7 +20,8 @@ const HALVINGS: usize = 30;
 /// ([`bracketry_sim::FrictionSolver`]); what friction holds rests exactly.
 ///
 /// ```
-/// use bracketry_plate::{AreaContact, AreaSettings, Friction, Object, PlateKinematics, Shape};
+/// use bracketry_plate::{Friction, Object, PlateKinematics, Shape};
+/// use bracketry_plate::area::{AreaContact, AreaSettings};
 /// // A spinning disk on a level plate stops after 3 R w/(4 μ g).
 /// let object = Object { shape: Shape::Disk { radius: 0.12 }, height: 0.0, ..Object::REFERENCE };
 /// let mut disk = AreaContact::new(&object, &Friction::Coulomb { mu: 0.3 }, &AreaSettings::default()).unwrap();

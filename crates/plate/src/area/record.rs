@@ -1,7 +1,7 @@
 //! What a simulation with area contact records.
 
 use super::pressure::Support;
-use crate::Course;
+use crate::driven::Course;
 use bracketry_sim::Slip;
 
 /// One step.

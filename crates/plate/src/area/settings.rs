@@ -1,6 +1,7 @@
 //! Settings of the area-contact model.
 
-use crate::{PlateError, Terms};
+use crate::PlateError;
+use crate::model::Terms;
 use serde::{Deserialize, Serialize};
 
 /// How a step is made.
@@ -13,7 +14,7 @@ pub enum Scheme {
     SecondOrder,
 }
 
-/// Settings of [`crate::AreaContact`].
+/// Settings of [`crate::area::AreaContact`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct AreaSettings {
     /// Time step in s.

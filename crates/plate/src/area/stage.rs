@@ -2,7 +2,8 @@
 
 use super::pressure::{Footprint, Load, Support};
 use super::settings::AreaSettings;
-use crate::{Friction, Object, PlateError, PlateKinematics, Terms};
+use crate::model::Terms;
+use crate::{Friction, Object, PlateError, PlateKinematics};
 use bracketry_sim::{ContactStep, FrictionPoints, FrictionSolver, Slip};
 use nalgebra::{Matrix3, Vector3};
 

@@ -8,7 +8,8 @@ use super::body_on_plate::{BodyOnPlate, BodyStop};
 use super::events::{BodyEvent, BodyEventKind};
 use super::frame::{PlateFrame, RigidState};
 use super::settings::BodySettings;
-use crate::{AreaContact, AreaOutcome, AreaSettings, Friction, Object, PlateError, PlateMotion, Shape};
+use crate::area::{AreaContact, AreaOutcome, AreaSettings};
+use crate::{Friction, Object, PlateError, PlateMotion, Shape};
 
 /// Steps in contact for which a body that lies flat without being able to stay so is simulated on.
 const UNSTEADY_STEPS: f64 = 20.0;
@@ -40,9 +41,9 @@ pub enum ObjectStop {
 /// lifts off until it lies flat again.
 ///
 /// ```
-/// use bracketry_plate::{
-///     AreaSettings, BodySettings, Friction, Object, ObjectMode, ObjectOnPlate, PlateKinematics, RigidState,
-/// };
+/// use bracketry_plate::{Friction, Object, PlateKinematics};
+/// use bracketry_plate::area::AreaSettings;
+/// use bracketry_plate::body::{BodySettings, ObjectMode, ObjectOnPlate, RigidState};
 /// let settings = BodySettings { restitution: 0.5, ..BodySettings::default() };
 /// let friction = Friction::Coulomb { mu: 0.3 };
 /// let mut object = ObjectOnPlate::new(&Object::REFERENCE, &friction, &AreaSettings::default(), &settings).unwrap();

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::frame::RigidState;
-use crate::{Object, PlateError, Quadrature, Shape};
+use crate::object::Quadrature;
+use crate::{Object, PlateError, Shape};
 
 /// Points on the rim of a round face. The ring always has one of them at the lowest point of the rim.
 const RING: usize = 24;

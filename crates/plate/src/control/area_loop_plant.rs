@@ -2,7 +2,8 @@
 
 use bracketry_mpc::{Plant, PlantFailure};
 
-use crate::{AreaContact, AreaOutcome, PlateKinematics};
+use crate::PlateKinematics;
+use crate::area::{AreaContact, AreaOutcome};
 
 /// Resolution at which the states are kept (s).
 pub const RESOLUTION: f64 = 1e-3;

@@ -4,9 +4,8 @@ use super::limits::PlateLimits;
 use super::rounded_contact::RoundedContact;
 use crate::object::Patch;
 use crate::{GRAVITY, Object, PlateError, Shape};
-use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, MpcError, Ocp, PathConstraint, Softness, Substeps, TerminalTarget, VectorFunction,
-};
+use bracketry_mpc::ocp::{Bounds, PathConstraint, Softness, Substeps, VectorFunction};
+use bracketry_mpc::{CostFunction, CostKind, MpcError, Ocp, TerminalTarget};
 use bracketry_system::System;
 
 /// Names for costs and constraints; the equations are those of [`RoundedContact`].

@@ -5,7 +5,8 @@ use super::move_problem::MoveProblem;
 use super::oscillation::Oscillation;
 use super::replay::Replay;
 use crate::{PlateError, PlateKinematics};
-use bracketry_mpc::{Dynamics, PlannedTrajectory, QpSettings, Rti, RtiSettings, Sqp, SqpSettings};
+use bracketry_mpc::qp::QpSettings;
+use bracketry_mpc::{Dynamics, PlannedTrajectory, Rti, RtiSettings, Sqp, SqpSettings};
 
 /// Width of rounded friction in m/s at which plans end.
 const WIDTH: f64 = 0.005;

@@ -12,7 +12,8 @@ use super::servo_lag::ServoLag;
 use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
 use super::shortest::Search;
 use crate::{Object, PlateError, PlateKinematics};
-use bracketry_mpc::{PlannedTrajectory, Rti, StepStatus};
+use bracketry_mpc::controller::StepStatus;
+use bracketry_mpc::{PlannedTrajectory, Rti};
 use std::collections::VecDeque;
 use std::time::Instant;
 

@@ -1,6 +1,7 @@
 //! The reference move: position and orientation of the object on the plate at the same time.
 
-use bracketry_mpc::{ControlProblem, ProblemError};
+use bracketry_mpc::ControlProblem;
+use bracketry_mpc::problem::ProblemError;
 use bracketry_sim::Trajectory;
 use bracketry_system::System;
 use serde::Serialize;

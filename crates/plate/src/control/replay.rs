@@ -1,7 +1,8 @@
 //! The object with exact friction on a plate that is moved by constant accelerations over each period.
 
 use super::interface::Command;
-use crate::{AreaContact, AreaSettings, Friction, Object, PlateError, PlateKinematics};
+use crate::area::{AreaContact, AreaSettings};
+use crate::{Friction, Object, PlateError, PlateKinematics};
 
 /// Time step of replays in s.
 const STEP: f64 = 4e-3;

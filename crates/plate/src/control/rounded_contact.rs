@@ -23,7 +23,7 @@ const TILT: usize = 8;
 const TILT_RATE: usize = 9;
 const TILT_ACCELERATION: usize = 11;
 
-/// A flat object under dry friction over its footprint ([`crate::AreaContact`]) with `v/|v|` at each point rounded to
+/// A flat object under dry friction over its footprint ([`crate::area::AreaContact`]) with `v/|v|` at each point rounded to
 /// `v/√(v² + ε²)`, and the accelerations of the plate as inputs. The derivatives are exact.
 ///
 /// ```text
@@ -35,7 +35,7 @@ const TILT_ACCELERATION: usize = 11;
 /// ```
 ///
 /// These are the equations of the center of mass. On the whole footprint `α_i = 1` and `β_i = (x̃_i, ỹ_i)`; another
-/// [`crate::Bearing`] has others, so that force and moments are the same. Where the center of mass is not that of the shape, states are
+/// [`crate::object::Bearing`] has others, so that force and moments are the same. Where the center of mass is not that of the shape, states are
 /// those of the center of the shape all the same. All points are taken to carry; the moment of friction about the center of mass
 /// (of the order `μ h/R`) is left out.
 #[derive(Debug, Clone)]

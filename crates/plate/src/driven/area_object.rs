@@ -1,7 +1,9 @@
 //! An object with area contact.
 
 use super::interface::DrivenObject;
-use crate::{AreaContact, AreaOutcome, AreaRecord, Drive, ExpressionMotion, PlateError};
+use crate::PlateError;
+use crate::area::{AreaContact, AreaOutcome, AreaRecord};
+use crate::motion::{Drive, ExpressionMotion};
 use bracketry_sim::{Outcome, StopReason};
 
 /// A flat object with area contact on a plate whose motion is given by expressions.

@@ -1,6 +1,7 @@
 //! An object on a plate with imposed motion: experiments, sweeps, and velocity fields run on it.
 
-use crate::{Drive, PlateError};
+use crate::PlateError;
+use crate::motion::Drive;
 use bracketry_sim::{Outcome, Trajectory};
 
 /// States of an object on the plate: position of the center of mass in the plate frame (m), yaw (rad), and their rates.

@@ -1,7 +1,8 @@
 //! An object whose motion a model in the form of differential equations gives.
 
 use super::interface::{DrivenObject, STATES};
-use crate::{Drive, PlateError};
+use crate::PlateError;
+use crate::motion::Drive;
 use bracketry_sim::{Inputs, Model, Outcome, SimulationSettings, Stepper, Trajectory};
 use bracketry_system::System;
 use std::sync::Arc;

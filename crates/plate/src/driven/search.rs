@@ -1,7 +1,8 @@
 //! What is looked for along a trajectory: the least load, crossings.
 
 use super::interface::Course;
-use crate::{PlateMotion, normal_load};
+use crate::PlateMotion;
+use crate::model::normal_load;
 
 /// The least normal load over a course, looked at [`PARTS`] times.
 pub(crate) fn least_load<C: Course, M: PlateMotion>(course: &C, motion: &mut M, height: f64) -> f64 {

@@ -1,8 +1,10 @@
 //! The amplitude that an experiment holds over each period.
 
 use super::protocol::{AmplitudeStep, Experiment};
+use crate::driven::Course;
 use crate::driven::least_load;
-use crate::{Course, DrivenObject, ExpressionMotion, PlateError, PlateMotion};
+use crate::motion::ExpressionMotion;
+use crate::{DrivenObject, PlateError, PlateMotion};
 
 /// The amplitude of an experiment on an object, from period to period.
 pub(super) struct HeldAmplitude<'a> {

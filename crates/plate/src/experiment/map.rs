@@ -2,7 +2,8 @@
 
 use super::protocol::Experiment;
 use super::sweep::sweep;
-use crate::{Course, DrivenObject, PlateError};
+use crate::driven::Course;
+use crate::{DrivenObject, PlateError};
 use bracketry_sim::Outcome;
 use std::ops::ControlFlow;
 
@@ -33,7 +34,7 @@ pub struct Summary {
     pub end: [f64; 6],
     /// Displacement from the start to the end in x, y (m) and phi (rad).
     pub displacement: [f64; 3],
-    /// Least normal load per mass in m/s²; see [`Run::least_load`](crate::Run::least_load).
+    /// Least normal load per mass in m/s²; see [`Run::least_load`](crate::experiment::Run::least_load).
     pub least_load: f64,
     /// How the simulation ended.
     pub outcome: Outcome,
@@ -118,7 +119,7 @@ impl<R> Map<R> {
 /// `count` values from `from` to `to`, both included, evenly spaced.
 ///
 /// ```
-/// assert_eq!(bracketry_plate::linspace(0.0, 1.0, 3), [0.0, 0.5, 1.0]);
+/// assert_eq!(bracketry_plate::experiment::linspace(0.0, 1.0, 3), [0.0, 0.5, 1.0]);
 /// ```
 pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
     let last = count.saturating_sub(1).max(1) as f64;

@@ -1,6 +1,7 @@
 //! The three published open-loop experiments, with the amplitude held over each period.
 
-use crate::{Drive, ExpressionMotion, PlateError, PlateMotion, STATES};
+use crate::motion::{Drive, ExpressionMotion};
+use crate::{PlateError, PlateMotion, STATES};
 use bracketry_sim::Inputs;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;

@@ -2,8 +2,9 @@
 
 use super::held_amplitude::HeldAmplitude;
 use super::protocol::{Experiment, REACHED};
+use crate::driven::Course;
 use crate::driven::crossing;
-use crate::{Course, DrivenObject, ModelObject, PlateError};
+use crate::{DrivenObject, ModelObject, PlateError};
 use bracketry_sim::{Outcome, SimulationSettings, Trajectory};
 use bracketry_system::System;
 
@@ -85,7 +86,7 @@ pub struct Run<C = Trajectory> {
     pub amplitudes: Vec<(f64, f64)>,
     /// First time at which 98 % of the distance was covered, in seconds.
     pub reached: Option<f64>,
-    /// Least normal load per mass in m/s² met in the run, without thickness; see [`normal_load`](crate::normal_load). Where
+    /// Least normal load per mass in m/s² met in the run, without thickness; see [`normal_load`](crate::model::normal_load). Where
     /// it is negative, the object lifts off in truth, whatever a model without flight says.
     pub least_load: f64,
     coordinate: usize,

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// the number of threads.
 ///
 /// ```
-/// use bracketry_plate::sweep;
+/// use bracketry_plate::experiment::sweep;
 /// use std::ops::ControlFlow;
 /// let squares = sweep(&[1.0, 2.0, 3.0], |x: &f64| x * x, |_| ControlFlow::Continue(()));
 /// assert_eq!(squares, [Some(1.0), Some(4.0), Some(9.0)]);

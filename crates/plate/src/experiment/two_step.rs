@@ -3,8 +3,10 @@
 use super::held_amplitude::HeldAmplitude;
 use super::protocol::Experiment;
 use super::run::six;
+use crate::driven::Course;
 use crate::driven::crossing;
-use crate::{Course, Drive, DrivenObject, ModelObject, PlateError};
+use crate::motion::Drive;
+use crate::{DrivenObject, ModelObject, PlateError};
 use bracketry_sim::{Outcome, SimulationSettings, Trajectory};
 use bracketry_system::System;
 

@@ -31,7 +31,7 @@ pub struct MeanVelocity {
     pub periods: usize,
     /// Whether the velocities repeat; if not, the mean is that of the last period allowed.
     pub established: bool,
-    /// Least normal load per mass in m/s² in that period; see [`normal_load`](crate::normal_load), without thickness.
+    /// Least normal load per mass in m/s² in that period; see [`normal_load`](crate::model::normal_load), without thickness.
     pub least_load: f64,
     /// How the simulation ended.
     pub outcome: Outcome,

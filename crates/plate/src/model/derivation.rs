@@ -37,7 +37,7 @@ pub struct FlatContact {
 /// equations give the motion in the plane, three the load and the moments of the pressure.
 ///
 /// ```
-/// let mut flat = bracketry_plate::flat_contact();
+/// let mut flat = bracketry_plate::model::flat_contact();
 /// assert_eq!(flat.pool.text(flat.accelerations[0]), "fx - Xdd");
 /// ```
 pub fn flat_contact() -> FlatContact {

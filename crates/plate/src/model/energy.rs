@@ -24,7 +24,8 @@ pub struct Energy {
 /// [`PlateError::NoDefinition`] if the model does not define `fx`, `fy` and `torque`.
 ///
 /// ```
-/// use bracketry_plate::{Object, Terms, energy, reduced};
+/// use bracketry_plate::{Object, reduced};
+/// use bracketry_plate::model::{Terms, energy};
 /// let system = reduced(&Object::REFERENCE, 0.3, Terms::default()).unwrap();
 /// assert!(energy(&system).unwrap().stored.contains("w^2"));
 /// ```

@@ -23,13 +23,14 @@ const VISCOUS: &str = include_str!("../../models/plate_point_viscous.toml");
 ///
 /// with states `x, y, phi, vx, vy, w` and inputs `X, theta` (`models/plate_point.toml`, for other laws than Coulomb's
 /// `models/plate_point_static_level.toml`, `…_stribeck.toml`, `…_viscous.toml`, `…_anisotropic.toml`; derived by
-/// [`flat_contact`](crate::flat_contact)). At rest `e` is any vector of the unit disk. The equations hold while `N > 0`.
+/// [`flat_contact`](crate::model::flat_contact)). At rest `e` is any vector of the unit disk. The equations hold while `N > 0`.
 ///
 /// # Errors
 /// [`PlateError`] for numbers without meaning and for a polygon whose principal axes are rotated against its own.
 ///
 /// ```
-/// use bracketry_plate::{Friction, Object, Terms, first_principles};
+/// use bracketry_plate::{Friction, Object, first_principles};
+/// use bracketry_plate::model::Terms;
 /// let system = first_principles(&Object::REFERENCE, &Friction::Coulomb { mu: 0.3 }, Terms::default()).unwrap();
 /// assert_eq!(system.state_names(), ["x", "y", "phi", "vx", "vy", "w"]);
 /// ```

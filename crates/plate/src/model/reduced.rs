@@ -23,7 +23,8 @@ const REDUCED: &str = include_str!("../../models/plate_reduced.toml");
 /// [`PlateError`] for numbers without meaning and for a polygon whose principal axes are rotated against its own.
 ///
 /// ```
-/// use bracketry_plate::{Object, Terms, reduced};
+/// use bracketry_plate::{Object, reduced};
+/// use bracketry_plate::model::Terms;
 /// let without_spin_friction = Terms { yaw_friction: false, ..Terms::default() };
 /// let system = reduced(&Object::REFERENCE, 0.3, without_spin_friction).unwrap();
 /// assert_eq!(system.input_names(), ["X", "theta"]);

@@ -7,7 +7,8 @@ use bracketry_system::symbolic::{Expr, Pool, Symbol, Tape};
 /// A plate motion given by expressions of `t` and of named numbers that may change between calls.
 ///
 /// ```
-/// use bracketry_plate::{ExpressionMotion, PlateMotion};
+/// use bracketry_plate::PlateMotion;
+/// use bracketry_plate::motion::ExpressionMotion;
 /// let mut motion = ExpressionMotion::new("A*sin(2*t)", "0", &[("A", 0.5)]).unwrap();
 /// assert_eq!(motion.at(0.0).velocity, 1.0);
 /// assert!(motion.set("A", 2.0));

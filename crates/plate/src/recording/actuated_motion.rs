@@ -1,7 +1,8 @@
 //! What the plate does when it is told to move.
 
 use super::mismatch::PlateMismatch;
-use crate::{ExpressionMotion, PlateKinematics, PlateMotion};
+use crate::motion::ExpressionMotion;
+use crate::{PlateKinematics, PlateMotion};
 
 /// Time between the nodes at which a lagging motion is kept, in s.
 const NODE: f64 = 5e-4;

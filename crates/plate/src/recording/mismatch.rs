@@ -2,7 +2,10 @@
 
 use super::random::{Random, seed_of};
 use super::settings::RecordingSettings;
-use crate::{AreaContact, AreaLoopPlant, Bearing, Friction, Object, PlateError, PlateKinematics};
+use crate::area::AreaContact;
+use crate::control::AreaLoopPlant;
+use crate::object::Bearing;
+use crate::{Friction, Object, PlateError, PlateKinematics};
 use serde::{Deserialize, Serialize};
 
 /// What is otherwise in the real plant than its user believes.

@@ -4,7 +4,9 @@ use super::error::RecordingError;
 use super::mismatch::PlateMismatch;
 use super::random::{Random, seed_of};
 use super::settings::RecordingSettings;
-use crate::{AmplitudeStep, Coordinate, Experiment, ExpressionMotion, PlateError, PlateMotion};
+use crate::experiment::{AmplitudeStep, Coordinate, Experiment};
+use crate::motion::ExpressionMotion;
+use crate::{PlateError, PlateMotion};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 

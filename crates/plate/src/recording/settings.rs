@@ -1,6 +1,7 @@
 //! What is assumed of the plant, and how it is recorded.
 
-use crate::{AreaSettings, Object};
+use crate::Object;
+use crate::area::AreaSettings;
 
 /// What is assumed of the plant, and how it is recorded.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,7 +5,11 @@ use super::error::RecordingError;
 use super::mismatch::PlateMismatch;
 use super::random::Random;
 use super::settings::RecordingSettings;
-use crate::{AreaContact, AreaOutcome, Course, Experiment, PlateColumns, PlateError, PlateKinematics, PlateLog};
+use crate::area::{AreaContact, AreaOutcome};
+use crate::driven::Course;
+use crate::experiment::Experiment;
+use crate::log::PlateColumns;
+use crate::{PlateError, PlateKinematics, PlateLog};
 
 /// Greatest jump of displacement (m), tilt (rad) and their rates where an amplitude changes.
 const SMOOTH: f64 = 1e-9;
@@ -53,7 +57,8 @@ impl SyntheticLog {
 /// [`RecordingError::Jump`] for an experiment whose plate would have to jump; [`RecordingError`] for settings without meaning.
 ///
 /// ```
-/// use bracketry_plate::{Experiment, PlateMismatch, RecordingSettings, synthetic_log};
+/// use bracketry_plate::experiment::Experiment;
+/// use bracketry_plate::recording::{PlateMismatch, RecordingSettings, synthetic_log};
 /// let start = [0.3, -0.03, 0.0, 0.0, 0.0, 0.0];
 /// let settings = RecordingSettings::default();
 /// let recorded = synthetic_log(&Experiment::translation_y(), start, 0.5, &PlateMismatch::None, &settings, 7).unwrap();

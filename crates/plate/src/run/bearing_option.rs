@@ -4,7 +4,9 @@ use std::path::Path;
 
 use super::option_text::{Problem, number, numbers, problem};
 use super::point_table::rows;
-use crate::{Bearing, Footprint, Object, Shape};
+use crate::area::Footprint;
+use crate::object::Bearing;
+use crate::{Object, Shape};
 
 /// Points that exceed the outline by less than this share of the way are on it.
 const ROUNDING: f64 = 1e-9;

@@ -8,7 +8,8 @@ use super::imposed_motion::ImposedMotion;
 use super::object_model::{ObjectModel, Touch};
 use super::result::PlateStop;
 use super::setup::{PlateModel, PlateSetup};
-use crate::{Drive, LoggedMotion};
+use crate::log::LoggedMotion;
+use crate::motion::Drive;
 
 #[derive(Clone)]
 pub(super) struct Equations {

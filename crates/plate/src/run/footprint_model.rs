@@ -10,10 +10,8 @@ use super::imposed_motion::ImposedMotion;
 use super::object_model::{ObjectModel, Touch};
 use super::result::PlateStop;
 use super::setup::{PlateModel, PlateSetup};
-use crate::{
-    AreaContact, AreaOutcome, AreaSample, AreaSettings, BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop,
-    RigidState,
-};
+use crate::area::{AreaContact, AreaOutcome, AreaSample, AreaSettings};
+use crate::body::{BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, RigidState};
 
 /// Slip below which a point of the contact sticks, in m/s.
 const STICKS: f64 = 1e-9;

@@ -1,7 +1,9 @@
 //! What moves the plate in a run, and when the object model is told of a change.
 
 use super::setup::PlateSetup;
-use crate::{ExpressionMotion, LoggedMotion, PlateKinematics, PlateMotion};
+use crate::log::LoggedMotion;
+use crate::motion::ExpressionMotion;
+use crate::{PlateKinematics, PlateMotion};
 
 /// What moves the plate.
 #[derive(Clone, Debug)]

@@ -2,7 +2,8 @@
 
 use super::period_start::SignSource;
 use super::setup::PlateSetup;
-use crate::{Coordinate, Experiment, PlateError, PlateLog, PlateMotion};
+use crate::experiment::{Coordinate, Experiment};
+use crate::{PlateError, PlateLog, PlateMotion};
 use bracketry_numerics::spline::noise;
 
 /// An error of more standard deviations is not a matter of noise.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::option_text::{Problem, number, numbers, problem};
 use super::point_table::rows;
 use super::setup::PlateModel;
-use crate::{AmplitudeStep, Friction, Shape};
+use crate::experiment::AmplitudeStep;
+use crate::{Friction, Shape};
 
 /// Longest time between rows, in seconds: rows give time to target, shares and extremes.
 const MAX_SAMPLE: f64 = 0.02;
@@ -15,11 +16,11 @@ const MAX_STEP: f64 = 0.01;
 /// Which of the published experiments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExperimentKind {
-    /// 1, [`Experiment::orientation`](crate::Experiment::orientation).
+    /// 1, [`Experiment::orientation`](crate::experiment::Experiment::orientation).
     Orientation,
-    /// 2, [`Experiment::translation_x`](crate::Experiment::translation_x).
+    /// 2, [`Experiment::translation_x`](crate::experiment::Experiment::translation_x).
     TranslationX,
-    /// 3, [`Experiment::translation_y`](crate::Experiment::translation_y).
+    /// 3, [`Experiment::translation_y`](crate::experiment::Experiment::translation_y).
     TranslationY,
 }
 

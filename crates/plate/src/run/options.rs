@@ -8,7 +8,9 @@ use super::bearing_option as bearings;
 use super::option_text::{Problem, problem};
 use super::option_values::{self as values, ExperimentKind, FrictionLaw};
 use super::setup::{PlateModel, PlateSetup};
-use crate::{AmplitudeStep, Bearing, Coordinate, Experiment, Friction, Object, PlateLog, Shape};
+use crate::experiment::{AmplitudeStep, Coordinate, Experiment};
+use crate::object::Bearing;
+use crate::{Friction, Object, PlateLog, Shape};
 
 /// Most rows of a result.
 const MAX_ROWS: f64 = 2e6;

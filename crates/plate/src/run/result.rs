@@ -3,7 +3,10 @@
 use bracketry_sim::StopReason;
 
 use super::period_start::PeriodStart;
-use crate::{AmplitudeStep, AreaOutcome, Jump, PlateKinematics};
+use crate::PlateKinematics;
+use crate::area::AreaOutcome;
+use crate::experiment::AmplitudeStep;
+use crate::log::Jump;
 
 /// Object and plate at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::{Experiment, Friction, Object};
+use crate::experiment::Experiment;
+use crate::{Friction, Object};
 
 /// How object and plate touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

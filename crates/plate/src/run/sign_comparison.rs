@@ -10,7 +10,8 @@ use super::period_start::{PeriodStart, SignSource};
 use super::pose_deviations::{Deviation, PoseDeviations, UNITS};
 use super::result::{PlateRow, PlateRun};
 use super::setup::PlateSetup;
-use crate::{Coordinate, PlateLog};
+use crate::PlateLog;
+use crate::experiment::Coordinate;
 
 /// The signs of the amplitude in a run and in a log. The amplitude of a period has the sign of the error at its start; where
 /// that error is less than what noise or the model's own deviation explains, run and log may take opposite signs, and the motion

@@ -13,10 +13,10 @@ use super::period_start::{PeriodStart, SignSource};
 use super::result::{PlateRow, PlateRun, PlateStop};
 use super::setup::{PlateModel, PlateSetup};
 use crate::experiment::REACHED;
-use crate::{
-    AmplitudeStep, Experiment, Friction, Jump, PlateKinematics, PlateLog, PlateMotion, Terms, first_principles,
-    normal_load, published, reduced,
-};
+use crate::experiment::{AmplitudeStep, Experiment};
+use crate::log::Jump;
+use crate::model::{Terms, normal_load};
+use crate::{Friction, PlateKinematics, PlateLog, PlateMotion, first_principles, published, reduced};
 
 /// Times closer than this are the same, in seconds.
 const SAME: f64 = 1e-10;

@@ -5,10 +5,11 @@
 //! where it is absent, the comparison with them passes as not made and says so.
 #![allow(clippy::print_stderr)]
 
-use bracketry_plate::{
-    AreaContact, AreaEvent, AreaObject, AreaOutcome, AreaRecord, AreaSettings, Course, DrivenObject, Experiment,
-    Friction, Object, PlateKinematics, PlateMotion, Scheme, Shape, Terms,
-};
+use bracketry_plate::area::{AreaContact, AreaEvent, AreaOutcome, AreaRecord, AreaSettings, Scheme};
+use bracketry_plate::driven::Course;
+use bracketry_plate::experiment::Experiment;
+use bracketry_plate::model::Terms;
+use bracketry_plate::{AreaObject, DrivenObject, Friction, Object, PlateKinematics, PlateMotion, Shape};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::PathBuf;
 
@@ -61,7 +62,7 @@ fn experiment(
     mu: f64,
     step: f64,
     duration: f64,
-) -> bracketry_plate::Run<AreaRecord> {
+) -> bracketry_plate::experiment::Run<AreaRecord> {
     // 24 points agree with 768 to 0.01 %; see the example `plate_area`.
     let settings = AreaSettings::default().with_step(step).with_points(24);
     let contact = AreaContact::new(object, &Friction::Coulomb { mu }, &settings).unwrap();

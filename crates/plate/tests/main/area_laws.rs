@@ -1,9 +1,9 @@
 //! Area contact: friction laws, pressure, tipping and lift-off, symmetries, balances, orders of convergence, bad input.
 
-use bracketry_plate::{
-    AreaContact, AreaEvent, AreaOutcome, AreaRecord, AreaSettings, Footprint, Friction, Load, Object, PlateError,
-    PlateKinematics, Scheme, Shape, Support,
+use bracketry_plate::area::{
+    AreaContact, AreaEvent, AreaOutcome, AreaRecord, AreaSettings, Footprint, Load, Scheme, Support,
 };
+use bracketry_plate::{Friction, Object, PlateError, PlateKinematics, Shape};
 
 const G: f64 = 9.81;
 

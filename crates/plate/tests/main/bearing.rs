@@ -1,10 +1,12 @@
 //! Objects that do not press on the plate with their whole footprint, or whose mass is off their middle.
 
 use bracketry_mpc::Dynamics;
-use bracketry_plate::{
-    AreaContact, AreaOutcome, AreaSettings, Bearing, BodyOnPlate, BodySettings, Footprint, Friction, Load, Object,
-    PlateError, PlateKinematics, RoundedContact, Shape, Support, Terms, reduced,
-};
+use bracketry_plate::area::{AreaContact, AreaOutcome, AreaSettings, Footprint, Load, Support};
+use bracketry_plate::body::{BodyOnPlate, BodySettings};
+use bracketry_plate::control::RoundedContact;
+use bracketry_plate::model::Terms;
+use bracketry_plate::object::Bearing;
+use bracketry_plate::{Friction, Object, PlateError, PlateKinematics, Shape, reduced};
 use proptest::prelude::*;
 
 const DISK: Object = Object { height: 0.0, ..Object::REFERENCE };

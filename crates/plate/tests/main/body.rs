@@ -1,10 +1,11 @@
 //! The rigid body on the plate against closed-form answers of mechanics.
 
 use crate::tier::cases;
-use bracketry_plate::{
-    AreaContact, AreaSettings, BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, Friction, Object,
-    ObjectMode, ObjectOnPlate, PlateError, PlateFrame, PlateKinematics, RigidState, Shape,
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::body::{
+    BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, ObjectMode, ObjectOnPlate, PlateFrame, RigidState,
 };
+use bracketry_plate::{Friction, Object, PlateError, PlateKinematics, Shape};
 use nalgebra::{UnitQuaternion, Vector3};
 use rayon::prelude::*;
 

@@ -1,9 +1,10 @@
 //! The pose controller on the object with exact friction over its footprint.
 
-use bracketry_plate::{
-    AreaContact, AreaSettings, Command, Friction, Measurement, Object, PlateController, PlateKinematics, PlateLimits,
-    PoseController, PoseSettings, PoseStatus, Shape,
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::control::{
+    Command, Measurement, PlateController, PlateLimits, PoseController, PoseSettings, PoseStatus,
 };
+use bracketry_plate::{Friction, Object, PlateKinematics, Shape};
 
 const ELLIPSE: Object = Object { shape: Shape::Ellipse { a: 0.15, b: 0.10 }, ..Object::REFERENCE };
 

@@ -1,6 +1,6 @@
 //! Lagrange's equations of a rigid body on the moving plate, derived by code, against the equations as they are stated.
 
-use bracketry_plate::{FlatContact, flat_contact};
+use bracketry_plate::model::{FlatContact, flat_contact};
 use bracketry_system::symbolic::{Bindings, Expr};
 
 /// The expression with symbols replaced by what texts say.

@@ -1,8 +1,9 @@
 //! The disk on its ellipsoidal limit surface (`models/plate_disk.toml`) against contact over the whole footprint.
 
-use bracketry_plate::{
-    AreaContact, AreaObject, AreaSettings, Course, DrivenObject, Experiment, Friction, ModelObject, Object, reduced,
-};
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::driven::Course;
+use bracketry_plate::experiment::Experiment;
+use bracketry_plate::{AreaObject, DrivenObject, Friction, ModelObject, Object, reduced};
 use bracketry_sim::SimulationSettings;
 use bracketry_system::System;
 
@@ -40,6 +41,6 @@ fn the_disk_moves_as_its_footprint_does() {
     // A twentieth of 0.5 mm, a sixth of 0.3°: what a camera does not see in half a second.
     assert!(way < 2.5e-5 && turn < 0.05_f64.to_radians(), "{way} m, {}°", turn.to_degrees());
     // Friction that does not know of the spin is farther off.
-    let without = reduced(&Object::REFERENCE, 0.3, bracketry_plate::Terms::default()).unwrap();
+    let without = reduced(&Object::REFERENCE, 0.3, bracketry_plate::model::Terms::default()).unwrap();
     assert!(apart(&without, &experiment, 4)[0] > 5.0 * way);
 }

@@ -1,6 +1,7 @@
 //! The published experiments on the published model, against a reference written by hand and the reference figures.
 
-use bracketry_plate::{AmplitudeStep, Experiment, PlateError, Run, Shape, published, two_step};
+use bracketry_plate::experiment::{AmplitudeStep, Experiment, Run, two_step};
+use bracketry_plate::{PlateError, Shape, published};
 use bracketry_sim::{FrictionMode, SimulationSettings, Stepper, Switched};
 use bracketry_system::System;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -1,8 +1,7 @@
 //! Models from first principles: against the derivation, against each other, and against the reference results.
 
-use bracketry_plate::{
-    FlatContact, Friction, Object, Shape, Terms, first_principles, flat_contact, published, reduced,
-};
+use bracketry_plate::model::{FlatContact, Terms, flat_contact};
+use bracketry_plate::{Friction, Object, Shape, first_principles, published, reduced};
 use bracketry_system::System;
 use bracketry_system::symbolic::{Bindings, Expr};
 

@@ -1,9 +1,11 @@
 //! What the pose controller learns of an object, a camera, and a servo that are not as it believes.
 
-use bracketry_plate::{
-    AreaContact, AreaSettings, Bearing, Command, Estimate, Friction, Learned, Measurement, Object, PlateController,
-    PlateKinematics, PoseController, PoseSettings, PoseStatus, Shape,
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::control::{
+    Command, Estimate, Learned, Measurement, PlateController, PoseController, PoseSettings, PoseStatus,
 };
+use bracketry_plate::object::Bearing;
+use bracketry_plate::{Friction, Object, PlateKinematics, Shape};
 
 const BELIEVED: Object = Object { shape: Shape::REFERENCE_ELLIPSE, ..Object::REFERENCE };
 const TARGET: [f64; 3] = [0.05, -0.02, 0.9];

@@ -1,9 +1,8 @@
 //! Moves planned beforehand, played on the object with exact friction.
 
-use bracketry_plate::{
-    AreaContact, AreaSettings, Command, Friction, MovePlanner, Object, PlannedMove, PlanningBudget, PlateKinematics,
-    PlateLimits, Shape,
-};
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::control::{Command, MovePlanner, PlannedMove, PlanningBudget, PlateLimits};
+use bracketry_plate::{Friction, Object, PlateKinematics, Shape};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use std::f64::consts::TAU;
 

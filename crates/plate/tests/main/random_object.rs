@@ -1,9 +1,8 @@
 //! Objects on plates with random numbers, sensible ones, absurd ones and impossible ones.
 
-use bracketry_plate::{
-    AreaSettings, BodySettings, Friction, Object, ObjectMode, ObjectOnPlate, ObjectStop, PlateError, PlateKinematics,
-    RigidState, Shape,
-};
+use bracketry_plate::area::AreaSettings;
+use bracketry_plate::body::{BodySettings, ObjectMode, ObjectOnPlate, ObjectStop, RigidState};
+use bracketry_plate::{Friction, Object, PlateError, PlateKinematics, Shape};
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};

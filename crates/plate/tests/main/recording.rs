@@ -1,9 +1,12 @@
 //! Logs with hidden effects: each effect against the mechanics it stands for, without noise; noise against its size.
 
-use bracketry_plate::{
-    AmplitudeStep, AreaContact, AreaObject, AreaSettings, Coordinate, Course, DrivenObject, Experiment, Friction,
-    Object, PlateLog, PlateMismatch, RecordingError, RecordingSettings, SyntheticLog, multisine, synthetic_log,
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::driven::Course;
+use bracketry_plate::experiment::{AmplitudeStep, Coordinate, Experiment};
+use bracketry_plate::recording::{
+    PlateMismatch, RecordingError, RecordingSettings, SyntheticLog, multisine, synthetic_log,
 };
+use bracketry_plate::{AreaObject, DrivenObject, Friction, Object, PlateLog};
 
 const START: [f64; 6] = [0.3, -0.03, 0.0, 0.0, 0.0, 0.0];
 

@@ -4,8 +4,11 @@
 //! where there is none, its test passes as ignored and says so.
 #![allow(clippy::print_stderr)]
 
-use bracketry_plate::{Energy, Experiment, Friction, Object, PlateError, Run, Shape, Terms};
-use bracketry_plate::{energy, first_principles, published, reduced};
+use bracketry_plate::experiment::{Experiment, Run};
+use bracketry_plate::model::energy;
+use bracketry_plate::model::{Energy, Terms};
+use bracketry_plate::{Friction, Object, PlateError, Shape};
+use bracketry_plate::{first_principles, published, reduced};
 use bracketry_sim::{Balance, SimulationSettings};
 use bracketry_system::System;
 use std::f64::consts::FRAC_PI_2;

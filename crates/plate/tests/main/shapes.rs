@@ -1,6 +1,7 @@
 //! Shapes and what is computed of them.
 
-use bracketry_plate::{PlateError, Shape, ShapeError, published};
+use bracketry_plate::object::ShapeError;
+use bracketry_plate::{PlateError, Shape, published};
 
 /// An L: two legs of 0.3 m and 0.2 m, 0.1 m wide.
 const L: [[f64; 2]; 6] = [[0.0, 0.0], [0.3, 0.0], [0.3, 0.1], [0.1, 0.1], [0.1, 0.2], [0.0, 0.2]];

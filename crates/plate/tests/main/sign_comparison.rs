@@ -4,10 +4,11 @@
 use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
-use bracketry_plate::{
-    ExperimentKind, FrictionLaw, PlateColumns, PlateExperiment, PlateLog, PlateOptions, PlateRun, PlateSetup, Shape,
-    SignComparison, SignSource, SignStatus,
+use bracketry_plate::log::PlateColumns;
+use bracketry_plate::run::{
+    ExperimentKind, FrictionLaw, PlateOptions, PlateRun, PlateSetup, SignComparison, SignSource, SignStatus,
 };
+use bracketry_plate::{PlateExperiment, PlateLog, Shape};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
@@ -127,7 +128,7 @@ fn a_sign_that_noise_decides_is_undecided_from_its_start_on_and_imposed_for_the_
             assert!(ran.comparison.as_ref().unwrap().is_undecided());
             // Before, the run agrees within the noise; with the signs of the log it does so after, too.
             let k = one.coordinate();
-            let of = |d: &bracketry_plate::PoseDeviations| 1e-3 * [d.x_mm.rms, d.y_mm.rms][k];
+            let of = |d: &bracketry_plate::run::PoseDeviations| 1e-3 * [d.x_mm.rms, d.y_mm.rms][k];
             let [before, after, given] =
                 [&opposite.before, &opposite.after, &opposite.after_with_signs_of_log].map(|d| of(d.as_ref().unwrap()));
             assert!(before < 1.2 * noise + 1e-4 && given < 1.2 * noise + 1e-4, "{before} {given}, {said}");

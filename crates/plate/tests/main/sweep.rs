@@ -1,8 +1,7 @@
 //! Sweeps: order, independence of the number of threads, errors as values, cancellation; the maps made of them.
 
-use bracketry_plate::{
-    Experiment, Limits, Map, ModelObject, PlateError, Shape, Summary, linspace, published, summarize, sweep,
-};
+use bracketry_plate::experiment::{Experiment, Limits, Map, Summary, linspace, summarize, sweep};
+use bracketry_plate::{ModelObject, PlateError, Shape, published};
 use bracketry_sim::SimulationSettings;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,8 +1,7 @@
 //! Mean velocities under periodic plate motions: symmetry, invariance, sticking.
 
-use bracketry_plate::{
-    Establishing, Harmonic, MeanVelocity, ModelObject, PeriodicMotion, Shape, mean_velocity, published, velocity_field,
-};
+use bracketry_plate::experiment::{Establishing, MeanVelocity, mean_velocity, velocity_field};
+use bracketry_plate::{Harmonic, ModelObject, PeriodicMotion, Shape, published};
 use bracketry_sim::SimulationSettings;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

@@ -1,6 +1,6 @@
 //! How a model became affine in its inputs.
 
-use bracketry_lie::Family;
+use bracketry_lie::analysis::Family;
 use bracketry_system::{AffineReason, Affinization, AtPoint, Candidate, Method, NewState, System, counted};
 use serde::Serialize;
 

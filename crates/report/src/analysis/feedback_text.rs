@@ -2,10 +2,11 @@
 
 use std::fmt::{self, Write as _};
 
-use bracketry_lie::{
-    Answer, Condition, ControlReport, ExtensionReport, FlatnessReport, FlatnessVerdict, Function, InputOutputReport,
-    LinearizationReport, Named, ZeroDynamicsReport,
+use bracketry_lie::feedback::{
+    ControlReport, ExtensionReport, FlatnessReport, FlatnessVerdict, InputOutputReport, LinearizationReport,
+    ZeroDynamicsReport,
 };
+use bracketry_lie::{Answer, Condition, Function, Named};
 
 use super::lists::joined;
 

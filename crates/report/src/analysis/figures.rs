@@ -1,6 +1,8 @@
 //! Pictures of an analysis: how brackets open directions, and what comes under the influence of the inputs when.
 
-use bracketry_lie::{Analysis, Bracket, Dimensions, Generator, Influence, ModeReport, ReachTable};
+use bracketry_lie::Analysis;
+use bracketry_lie::algebra::{Bracket, Generator};
+use bracketry_lie::analysis::{Dimensions, Influence, ModeReport, ReachTable};
 use bracketry_plot::{Color, TileChart, TileGrid};
 
 /// Inputs that get a color each.

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use bracketry_lie::{Analysis, Answer, Dimensions, Function, SwitchedReport, SwitchingTheorem};
+use bracketry_lie::analysis::Dimensions;
+use bracketry_lie::controllability::{SwitchedReport, SwitchingTheorem};
+use bracketry_lie::{Analysis, Answer, Function};
 
 use super::lists::{joined, series};
 

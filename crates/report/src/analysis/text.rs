@@ -2,11 +2,13 @@
 
 use std::fmt::{self, Write as _};
 
-use bracketry_lie::{
-    Analysis, Answer, Bracket, Dimensions, Direction, Family, Function, InvolutiveClosureReport, LieAlgebra,
-    ModeReport, Named, ObservabilityReport, PointReport, Report, RequestedBracket, Subject, SwitchedReport,
-    UncontrollableMode, Undetermined,
+use bracketry_lie::algebra::{Bracket, LieAlgebra};
+use bracketry_lie::analysis::{Dimensions, Family, ModeReport, RequestedBracket};
+use bracketry_lie::controllability::{
+    InvolutiveClosureReport, PointReport, Subject, SwitchedReport, UncontrollableMode,
 };
+use bracketry_lie::observability::{Direction, ObservabilityReport, Undetermined};
+use bracketry_lie::{Analysis, Answer, Function, Named, Report};
 
 use super::affinization::changes;
 use super::feedback_text::feedback;

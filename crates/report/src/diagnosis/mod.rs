@@ -12,7 +12,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use bracketry_diagnose::Report;
-use bracketry_lie::RankChange;
+use bracketry_lie::analysis::RankChange;
 use serde::{Serialize, Serializer};
 
 pub use json::DiagnosisJson;

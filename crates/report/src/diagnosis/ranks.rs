@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use bracketry_lie::RankChange;
+use bracketry_lie::analysis::RankChange;
 
 /// The dimensions of both models in lines.
 pub fn rank_change_text(ranks: &RankChange) -> String {

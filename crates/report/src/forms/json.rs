@@ -1,6 +1,7 @@
 //! JSON of transformations.
 
-use bracketry_lie::{FormNote, FormOutcome, Function, Named, NormalForm, Obstacle, Transformation};
+use bracketry_lie::forms::{FormNote, FormOutcome, NormalForm, Obstacle, Transformation};
+use bracketry_lie::{Function, Named};
 use serde_json::{Map, Value, json};
 
 use super::text::{next_step, note};

@@ -1,9 +1,9 @@
 //! The text of a transformation: comments above a model file, or why there is none.
 
-use bracketry_lie::{
-    Block, BlockKind, Form, FormNote, FormOutcome, Function, Named, NormalForm, Obstacle, Part, PartKind,
-    Transformation,
+use bracketry_lie::forms::{
+    Block, BlockKind, Form, FormNote, FormOutcome, NormalForm, Obstacle, Part, PartKind, Transformation,
 };
+use bracketry_lie::{Function, Named};
 use bracketry_system::{WriteError, readable};
 
 /// The form in words.

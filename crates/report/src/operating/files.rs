@@ -1,6 +1,6 @@
 //! A linear system in the languages of other programs.
 
-use bracketry_lie::LinearModel;
+use bracketry_lie::operating::LinearModel;
 use nalgebra::DMatrix;
 use std::fmt::Write as _;
 

@@ -1,6 +1,6 @@
 //! JSON of operating points and linear systems.
 
-use bracketry_lie::{LinearAnalysis, Trim, TrimNote, TrimStatus, TrimValue};
+use bracketry_lie::operating::{LinearAnalysis, Trim, TrimNote, TrimStatus, TrimValue};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 

@@ -1,8 +1,8 @@
 //! The text of operating points and linear systems.
 
-use bracketry_lie::{
-    Distance, Gain, LinearAnalysis, LinearMatrix, NoGain, Pole, Rank, Rest, Trim, TrimNote, TrimRole, TrimStatus,
-    TrimValue,
+use bracketry_lie::linear::Distance;
+use bracketry_lie::operating::{
+    Gain, LinearAnalysis, LinearMatrix, NoGain, Pole, Rank, Rest, Trim, TrimNote, TrimRole, TrimStatus, TrimValue,
 };
 use bracketry_system::readable;
 use nalgebra::DMatrix;

@@ -1,6 +1,6 @@
 //! The map over two parameters.
 
-use bracketry_lie::{AspectValue, MapCell, ParameterMap};
+use bracketry_lie::parameters::{AspectValue, MapCell, ParameterMap};
 use bracketry_plot::{Color, RegimeMap};
 
 use super::text::{cell, name};

@@ -1,6 +1,6 @@
 //! JSON of verdicts by cases of parameters.
 
-use bracketry_lie::{AspectCases, ParameterMap, ParameterReport};
+use bracketry_lie::parameters::{AspectCases, ParameterMap, ParameterReport};
 use serde_json::{Map, Value, json};
 
 fn aspect(a: &AspectCases) -> Value {

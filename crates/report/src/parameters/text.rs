@@ -1,6 +1,6 @@
 //! The text of verdicts by cases of parameters.
 
-use bracketry_lie::{
+use bracketry_lie::parameters::{
     Aspect, AspectCases, AspectValue, Incomplete, MapCell, ParameterCase, ParameterMap, ParameterReport,
 };
 

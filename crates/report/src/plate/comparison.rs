@@ -2,8 +2,9 @@
 
 use std::fmt::{self, Write as _};
 
-use bracketry_plate::{
-    Comparison, Coordinate, ErrorsAtStart, OppositeSigns, PoseDeviations, ScaledInput, SignComparison, SignSource,
+use bracketry_plate::experiment::Coordinate;
+use bracketry_plate::run::{
+    Comparison, ErrorsAtStart, OppositeSigns, PoseDeviations, ScaledInput, SignComparison, SignSource,
 };
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;

@@ -1,6 +1,7 @@
 //! Figures of a run on the plate.
 
-use bracketry_plate::{PlateExperiment, PlateLog, PlateRow, Shape};
+use bracketry_plate::run::PlateRow;
+use bracketry_plate::{PlateExperiment, PlateLog, Shape};
 use bracketry_plot::{
     Animation, Color, Dash, Drawing, Outline, Panel, PlanView, PlotError, Pose, RecordedMotion, Role, Scene, Series,
     Snapshot, TimeSeries,

@@ -1,6 +1,8 @@
 //! A run on the plate as JSON.
 
-use bracketry_plate::{Bearing, Comparison, Friction, PlateExperiment, PlateOutcome, Shape};
+use bracketry_plate::object::Bearing;
+use bracketry_plate::run::{Comparison, PlateOutcome};
+use bracketry_plate::{Friction, PlateExperiment, Shape};
 use serde_json::{Value, json};
 
 use super::text::{assumption, stopped};

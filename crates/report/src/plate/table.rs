@@ -1,6 +1,6 @@
 //! A run on the plate as a table.
 
-use bracketry_plate::PlateRow;
+use bracketry_plate::run::PlateRow;
 
 /// Names of the columns; that of the amplitude, which a logged motion does not have, is apart.
 const NAMES: [&str; 13] = [

@@ -2,10 +2,11 @@
 
 use std::fmt::{self, Write as _};
 
-use bracketry_plate::{
-    AmplitudeStep, AreaOutcome, Assumption, Bearing, Friction, PlateExperiment, PlateModel, PlateOutcome, PlateRun,
-    PlateSetup, PlateStop, Shape,
-};
+use bracketry_plate::area::AreaOutcome;
+use bracketry_plate::experiment::AmplitudeStep;
+use bracketry_plate::object::Bearing;
+use bracketry_plate::run::{Assumption, PlateModel, PlateOutcome, PlateRun, PlateSetup, PlateStop};
+use bracketry_plate::{Friction, PlateExperiment, Shape};
 use bracketry_system::counted;
 
 use super::comparison::write_comparison;

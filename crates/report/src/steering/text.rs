@@ -1,6 +1,6 @@
 //! The text of a motion from one state to another.
 
-use bracketry_lie::NoChainedForm;
+use bracketry_lie::forms::NoChainedForm;
 use bracketry_sim::Hold;
 use bracketry_steer::{Plan, SteerMethod, SteerNote, SteerReason, SteerStatus, Steering};
 use bracketry_system::readable;

@@ -4,7 +4,8 @@
 #[allow(dead_code)]
 mod common;
 
-use bracketry_lie::{AnalysisOptions, Answer, PointReport, Report, Subject, Verdict, analyze_affine};
+use bracketry_lie::controllability::{PointReport, Subject, Verdict};
+use bracketry_lie::{AnalysisOptions, Answer, Report, analyze_affine};
 use bracketry_report::analysis::report_text;
 use common::{ellipse, ratio, system};
 use serde_json::{Value, json};

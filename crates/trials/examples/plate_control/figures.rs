@@ -148,7 +148,7 @@ impl Figures {
             .panel(bounded("X [mm]", 1e3 * limits.stroke, line("", &|k| 1e3 * sample(k).plate.displacement)))
             .panel(bounded("θ [°]", limits.tilt.to_degrees(), line("", &|k| sample(k).plate.tilt.to_degrees())));
         let instants: Vec<f64> = run.controls.iter().map(|c| c.t).collect();
-        let held = |value: &dyn Fn(&bracketry_plate::Command) -> f64| {
+        let held = |value: &dyn Fn(&bracketry_plate::control::Command) -> f64| {
             Series::new("", instants.clone(), run.controls.iter().map(|c| value(&c.acting)).collect::<Vec<f64>>())
                 .step()
         };

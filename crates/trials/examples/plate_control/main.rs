@@ -5,7 +5,8 @@
 mod figures;
 
 use anyhow::{Context, bail};
-use bracketry_plate::{PlateController, PlateError, PoseController, PoseSettings};
+use bracketry_plate::PlateError;
+use bracketry_plate::control::{PlateController, PoseController, PoseSettings};
 use bracketry_trials::{
     AveragedController, CycleGrid, CycleMap, Quantiles, Trial, TrialError, TrialFile, TrialReport, TrialSetup,
     TrialSummary, TwoStepController, median_time_ratio, run_trial, run_trials,
@@ -201,7 +202,10 @@ impl PlateController for Boxed {
         self.0.period()
     }
 
-    fn command(&mut self, measurement: &bracketry_plate::Measurement) -> Result<bracketry_plate::Command, PlateError> {
+    fn command(
+        &mut self,
+        measurement: &bracketry_plate::control::Measurement,
+    ) -> Result<bracketry_plate::control::Command, PlateError> {
         self.0.command(measurement)
     }
 

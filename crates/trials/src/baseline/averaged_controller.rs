@@ -4,7 +4,8 @@ use super::cycle::{CYCLE, Cycle};
 use super::cycle_map::{CycleMap, Drifts, Quantity};
 use super::halt::Pipeline;
 use crate::{Tolerance, Trial, TrialSetup, pose_error};
-use bracketry_plate::{Command, Measurement, PlateController, PlateError, PlateKinematics};
+use bracketry_plate::control::{Command, Measurement, PlateController};
+use bracketry_plate::{PlateError, PlateKinematics};
 use std::sync::Arc;
 
 /// Samples of a cycle.
@@ -28,7 +29,7 @@ const RESIDUAL: f64 = 4e-3;
 /// In every cycle the drift of the next one is chosen from a [`CycleMap`] so that the error that remains after ebbing away is
 /// the least. Once a burst can make up for what will be left, the plate comes to rest; bursts then follow, each after a look
 /// at the object at rest, until it is within the tolerance. What a burst did otherwise than the map said, as the friction is
-/// another one, is reckoned with in the next. The cycles are made for the bounds of [`PlateLimits::default`](bracketry_plate::PlateLimits).
+/// another one, is reckoned with in the next. The cycles are made for the bounds of [`PlateLimits::default`](bracketry_plate::control::PlateLimits).
 #[derive(Debug, Clone)]
 pub struct AveragedController {
     map: Arc<CycleMap>,

@@ -90,7 +90,8 @@ impl Cycle {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use bracketry_plate::{PlateLimits, PlateMotion};
+    use bracketry_plate::PlateMotion;
+    use bracketry_plate::control::PlateLimits;
 
     const CORNERS: [f64; 2] = [-1.0, 1.0];
 

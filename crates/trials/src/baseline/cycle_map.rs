@@ -2,10 +2,9 @@
 
 use super::cycle::{CYCLE, Cycle};
 use crate::TrialError;
-use bracketry_plate::{
-    AreaContact, AreaObject, AreaSettings, Establishing, Friction, Object, PlateError, PlateKinematics, Shape,
-    mean_velocity, sweep,
-};
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::experiment::{Establishing, mean_velocity, sweep};
+use bracketry_plate::{AreaObject, Friction, Object, PlateError, PlateKinematics, Shape};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 

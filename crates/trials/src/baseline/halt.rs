@@ -1,6 +1,7 @@
 //! Bringing the plate to rest, and what a delayed command will meet.
 
-use bracketry_plate::{Command, PlateKinematics};
+use bracketry_plate::PlateKinematics;
+use bracketry_plate::control::Command;
 use std::collections::VecDeque;
 
 /// Commands that have been given and do not act yet.

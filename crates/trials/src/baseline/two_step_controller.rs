@@ -2,9 +2,10 @@
 
 use super::halt::{Pipeline, halt};
 use crate::{Tolerance, Trial, TrialSetup, pose_error};
-use bracketry_plate::{
-    Command, Experiment, ExpressionMotion, GRAVITY, Measurement, PlateController, PlateError, PlateMotion,
-};
+use bracketry_plate::control::{Command, Measurement, PlateController};
+use bracketry_plate::experiment::Experiment;
+use bracketry_plate::motion::ExpressionMotion;
+use bracketry_plate::{GRAVITY, PlateError, PlateMotion};
 
 /// Sampling period in s.
 const PERIOD: f64 = 5e-3;

@@ -2,8 +2,9 @@
 
 use super::criterion::Tolerance;
 use crate::TrialError;
-use bracketry_plate::{Object, PlateError, PlateLimits};
-use bracketry_plate::{Random, seed_of};
+use bracketry_plate::control::PlateLimits;
+use bracketry_plate::recording::{Random, seed_of};
+use bracketry_plate::{Object, PlateError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

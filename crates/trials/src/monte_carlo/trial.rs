@@ -4,11 +4,10 @@ use super::criterion::{REST, TrialSample, at_rest, pose_error, time_to_target};
 use super::scenario::Trial;
 use super::{Scenario, Tolerance};
 use crate::TrialError;
-use bracketry_plate::Random;
-use bracketry_plate::{
-    AreaContact, AreaOutcome, AreaSettings, Command, Friction, Measurement, Object, PlateController, PlateError,
-    PlateKinematics, PlateLimits,
-};
+use bracketry_plate::area::{AreaContact, AreaOutcome, AreaSettings};
+use bracketry_plate::control::{Command, Measurement, PlateController, PlateLimits};
+use bracketry_plate::recording::Random;
+use bracketry_plate::{Friction, Object, PlateError, PlateKinematics};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;

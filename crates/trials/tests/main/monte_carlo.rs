@@ -1,9 +1,9 @@
 //! Trials: what they simulate, how the random ones are drawn, what counts as being at the target.
 
-use bracketry_plate::{
-    AreaContact, AreaObject, AreaSettings, Command, Establishing, Friction, Measurement, Object, PlateController,
-    PlateError, PlateKinematics, Shape, mean_velocity,
-};
+use bracketry_plate::area::{AreaContact, AreaSettings};
+use bracketry_plate::control::{Command, Measurement, PlateController};
+use bracketry_plate::experiment::{Establishing, mean_velocity};
+use bracketry_plate::{AreaObject, Friction, Object, PlateError, PlateKinematics, Shape};
 use bracketry_trials::{
     AveragedController, Cycle, CycleGrid, CycleMap, Scenario, Share, Trial, TrialError, TrialFile, TrialOutcome,
     TrialReport, TrialSample, TrialSetup, TrialSummary, TwoStepController, Utilization, median_time_ratio, quantile,

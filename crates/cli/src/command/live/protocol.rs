@@ -156,8 +156,8 @@ pub(super) enum Answer<'a> {
         reason: &'static str,
         samples: usize,
         u: &'a [f64],
-        status: bracketry::mpc::Counts,
-        late: bracketry::mpc::LateSamples,
+        status: bracketry::mpc::closed_loop::Counts,
+        late: bracketry::mpc::closed_loop::LateSamples,
     },
 }
 

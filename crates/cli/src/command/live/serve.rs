@@ -8,7 +8,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use bracketry::mpc::{Counts, LateSamples, LiveController, LoopLog, MpcError};
+use bracketry::mpc::closed_loop::{Counts, LateSamples};
+use bracketry::mpc::live::LoopLog;
+use bracketry::mpc::{LiveController, MpcError};
 
 use super::lines::Lines;
 use super::outbox::{NotRead, Outbox, Writing};

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use bracketry::mpc::{Change, Counts, FallbackReason, LateSamples, LiveController, LiveStep, LoopLog, MpcError};
+use bracketry::mpc::closed_loop::{Counts, LateSamples};
+use bracketry::mpc::controller::FallbackReason;
+use bracketry::mpc::live::{Change, LiveStep, LoopLog};
+use bracketry::mpc::{LiveController, MpcError};
 
 use super::outbox::Outbox;
 use super::protocol::{

@@ -5,9 +5,8 @@ mod files;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use bracketry::plate::{
-    Comparison, GivenOption, NumberOption, PlateExperiment, PlateLog, PlateOptions, PlateOutcome, TextOption,
-};
+use bracketry::plate::run::{Comparison, GivenOption, NumberOption, PlateOptions, PlateOutcome, TextOption};
+use bracketry::plate::{PlateExperiment, PlateLog};
 use bracketry::report::plate;
 use clap::{Args, ValueEnum};
 

@@ -38,7 +38,8 @@ const MAX_CANDIDATES: usize = 60;
 /// `missing` says how many were not found.
 ///
 /// ```
-/// use bracketry_lie::{Evidence, integrals};
+/// use bracketry_lie::Evidence;
+/// use bracketry_lie::algebra::integrals;
 /// use bracketry_symbolic::{Bindings, Pool};
 /// let mut p = Pool::new();
 /// let states = ["x", "y", "th", "w"].map(|s| p.symbol(s));

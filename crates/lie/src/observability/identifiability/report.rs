@@ -133,7 +133,8 @@ pub enum IdentifiabilityError {
 /// model being right and data perfect, and which combinations of parameters are.
 ///
 /// ```
-/// use bracketry_lie::{IdentifiabilityOptions, identifiability};
+/// use bracketry_lie::identifiability;
+/// use bracketry_lie::observability::IdentifiabilityOptions;
 /// use bracketry_system::System;
 /// // Slow and fast reaction: the rates may be exchanged (Vajda and Rabitz 1988).
 /// let model = "states = ['a', 'b']\nparameters = { k1 = 1, k2 = 2 }\n\

@@ -1,6 +1,7 @@
 //! Systems for the tests.
 
-use bracketry_lie::{Answer, Function, VectorFields, mode_fields};
+use bracketry_lie::analysis::mode_fields;
+use bracketry_lie::{Answer, Function, VectorFields};
 use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
 use bracketry_system::{Parameter, Point, System};
 

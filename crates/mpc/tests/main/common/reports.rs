@@ -1,6 +1,7 @@
 //! Problems of two texts, and what their runs report.
 
-use bracketry_mpc::{ClosedLoopReport, ControlProblem, ProblemError, control};
+use bracketry_mpc::problem::{ClosedLoopReport, ProblemError};
+use bracketry_mpc::{ControlProblem, control};
 use bracketry_system::System;
 
 pub(crate) const SPRING_MASS: &str = r#"

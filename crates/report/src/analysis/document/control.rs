@@ -1,9 +1,10 @@
 //! Sections on what the inputs do to the outputs and on linearization by feedback.
 
-use bracketry_lie::{
-    Answer, Condition, FlatnessReport, FlatnessVerdict, Function, InputOutputReport, LinearizationReport, Subject,
-    ZeroDynamicsReport,
+use bracketry_lie::controllability::Subject;
+use bracketry_lie::feedback::{
+    FlatnessReport, FlatnessVerdict, InputOutputReport, LinearizationReport, ZeroDynamicsReport,
 };
+use bracketry_lie::{Answer, Condition, Function};
 
 use super::blocks::{Block, Line, item, math, section, text, words};
 use super::formulas::{complex, condition, function, list, matrix, symbol};

@@ -1,6 +1,7 @@
 //! From what an analysis found to formulas in LaTeX.
 
-use bracketry_lie::{Bracket, Condition, Function, Generator, Word};
+use bracketry_lie::algebra::{Bracket, Generator, Word};
+use bracketry_lie::{Condition, Function};
 use bracketry_symbolic::{Expr, Notation, Pool};
 
 /// Longer formulas are named by their size: nobody reads them, and they break a page.

@@ -1,6 +1,7 @@
 //! The section on what holds at the point of the model.
 
-use bracketry_lie::{Analysis, Answer, PointReport, Stlc, UncontrollableMode, Vanishing};
+use bracketry_lie::controllability::{PointReport, Stlc, UncontrollableMode, Vanishing};
+use bracketry_lie::{Analysis, Answer};
 
 use super::blocks::{Block, Line, item, math, section, text, words};
 use super::formulas::{bracket, complex, function};

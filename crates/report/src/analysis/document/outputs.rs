@@ -1,6 +1,7 @@
 //! The section on what the outputs tell.
 
-use bracketry_lie::{Analysis, Answer, Direction, Named};
+use bracketry_lie::observability::Direction;
+use bracketry_lie::{Analysis, Answer, Named};
 
 use super::blocks::{Block, Line, code, item, math, section, text};
 use super::formulas::{function, symbol};

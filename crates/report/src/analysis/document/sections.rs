@@ -1,6 +1,8 @@
 //! The sections of the report.
 
-use bracketry_lie::{Analysis, Answer, Dimensions, ModeReport, Switchable};
+use bracketry_lie::analysis::{Dimensions, ModeReport};
+use bracketry_lie::controllability::Switchable;
+use bracketry_lie::{Analysis, Answer};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
