@@ -1,7 +1,7 @@
 //! Settings of the area-contact model.
 
 use crate::PlateError;
-use crate::model::Terms;
+use crate::model::{GRAVITY, Terms};
 use serde::{Deserialize, Serialize};
 
 /// How a step is made.
@@ -32,7 +32,7 @@ pub struct AreaSettings {
 impl Default for AreaSettings {
     /// 1 ms, 48 points, second order, 9.81 m/s², all terms.
     fn default() -> Self {
-        Self { step: 1e-3, points: 48, scheme: Scheme::SecondOrder, gravity: 9.81, terms: Terms::default() }
+        Self { step: 1e-3, points: 48, scheme: Scheme::SecondOrder, gravity: GRAVITY, terms: Terms::default() }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Settings of the body on the plate.
 
 use crate::PlateError;
+use crate::model::GRAVITY;
 
 /// How a body on the plate is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +26,7 @@ pub struct BodySettings {
 impl Default for BodySettings {
     fn default() -> Self {
         Self {
-            gravity: 9.81,
+            gravity: GRAVITY,
             restitution: 0.0,
             contact_step: 2e-4,
             flight_step: 1e-3,
