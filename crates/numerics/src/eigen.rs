@@ -1,5 +1,6 @@
 //! Eigenvalues and singular values, with a bound on the iterations: without one, those of nalgebra do not end on every matrix.
 
+use crate::jacobi::tall_svd;
 use nalgebra::{DMatrix, Dyn, SVD, Schur, SymmetricEigen};
 
 /// Iterations of the QR algorithm for each row; it commonly takes two or three.
@@ -33,16 +34,22 @@ pub fn symmetric_eigen(a: DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
     is_finite(&a).then(|| SymmetricEigen::try_new(a, f64::EPSILON, iterations)).flatten()
 }
 
-/// The singular value decomposition; `None` where the iteration does not converge, or an
-/// entry is not a finite number.
-pub fn svd(a: DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
-    let iterations = ITERATIONS * a.nrows().max(a.ncols()).max(1);
-    is_finite(&a).then(|| SVD::try_new(a, true, true, 5.0 * f64::EPSILON, iterations)).flatten()
+/// The thin singular value decomposition, singular values in descending order; `None` where the matrix has no entries, one is not
+/// a finite number, or the iteration does not converge.
+pub fn svd(a: &DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
+    if a.is_empty() || !is_finite(a) {
+        return None;
+    }
+    if a.nrows() >= a.ncols() {
+        return tall_svd(a);
+    }
+    let SVD { u, v_t, singular_values } = tall_svd(&a.transpose())?;
+    Some(SVD { u: Some(v_t?.transpose()), v_t: Some(u?.transpose()), singular_values })
 }
 
 /// The pseudo-inverse, singular values of at most `cut` taken for zero; `None` where the iteration does not converge, or an
 /// entry is not a finite number.
-pub fn pseudo_inverse(a: DMatrix<f64>, cut: f64) -> Option<DMatrix<f64>> {
+pub fn pseudo_inverse(a: &DMatrix<f64>, cut: f64) -> Option<DMatrix<f64>> {
     svd(a)?.pseudo_inverse(cut).ok()
 }
 

@@ -14,6 +14,7 @@ pub mod collocation;
 pub mod dense;
 pub mod eigen;
 pub mod equations;
+mod jacobi;
 #[cfg(feature = "dense")]
 pub mod rows;
 pub mod spline;

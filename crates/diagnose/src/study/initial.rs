@@ -95,6 +95,6 @@ fn local(record: &Record, column: usize, from: usize, samples: usize) -> Option<
     }
     let a = DMatrix::from_fn(known.len(), terms, |r, c| ((record.times[known[r]] - t0) / span).powi(c as i32));
     let b = DVector::from_iterator(known.len(), known.iter().map(|&k| values[k]));
-    let solution = svd(a)?.solve(&b, 1e-12).ok()?;
+    let solution = svd(&a)?.solve(&b, 1e-12).ok()?;
     Some((solution[0], if terms > 1 { solution[1] / span } else { 0.0 }))
 }

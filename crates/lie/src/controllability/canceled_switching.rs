@@ -165,7 +165,7 @@ fn needed(pool: &mut Pool, first: &Adjacent, rows: &[usize], gaps: &[Field]) -> 
     let values = first.frame.numbers(pool, &all)?;
     let (g, gaps) = values.split_at(rows.len() * n);
     let g = DMatrix::from_column_slice(n, rows.len(), g);
-    let svd = svd(g)?;
+    let svd = svd(&g)?;
     let mut list = Vec::new();
     for gap in gaps.chunks(n) {
         let mut inputs = vec![0.0; first.fields.controls.len()];

@@ -101,7 +101,7 @@ pub(crate) fn canceling(
             DVector::from_column_slice(matrix(&unit).as_slice())
         })
         .collect();
-    let Some(solver) = svd(DMatrix::from_columns(&columns)) else { return Ok(None) };
+    let Some(solver) = svd(&DMatrix::from_columns(&columns)) else { return Ok(None) };
     let mut target = DMatrix::identity(m, m);
     let mut found = None;
     for _ in 0..ROUNDS {

@@ -177,7 +177,7 @@ fn nonnegative_least_squares(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVect
         }
         for _ in 0..=columns {
             let chosen = a.select_columns(&passive);
-            let s = svd(chosen)?.solve(b, 1e-13).ok()?;
+            let s = svd(&chosen)?.solve(b, 1e-13).ok()?;
             if s.iter().all(|v| *v > 0.0) {
                 x.fill(0.0);
                 for (&i, &v) in passive.iter().zip(s.iter()) {

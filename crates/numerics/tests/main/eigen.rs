@@ -1,7 +1,8 @@
 //! Eigenvalues of matrices on which iterations without a bound do not end.
 
 use bracketry_numerics::eigen::{eigenvalues, pseudo_inverse, svd, symmetric_eigen};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
 
 /// x0' = u, x_i' = x0 − x_i, on which the QR algorithm without a limit does not end.
 #[test]
@@ -28,7 +29,7 @@ fn what_is_not_a_number_has_no_eigenvalues() {
     for bad in [f64::NAN, f64::INFINITY] {
         let a = DMatrix::from_row_slice(2, 2, &[1.0, bad, 0.0, 1.0]);
         assert!(eigenvalues(&a).is_none() && symmetric_eigen(a.clone()).is_none());
-        assert!(svd(a.clone()).is_none() && pseudo_inverse(a, 1e-12).is_none());
+        assert!(svd(&a).is_none() && pseudo_inverse(&a, 1e-12).is_none());
     }
 }
 
@@ -37,10 +38,73 @@ fn a_pseudo_inverse_fulfills_the_conditions_of_penrose() {
     for n in 1..8 {
         // Of rank one less than its size.
         let a = DMatrix::from_fn(n, n + 1, |i, j| if i + 1 == n { 0.0 } else { ((i * 5 + j * 3) % 7) as f64 - 2.5 });
-        let inverse = pseudo_inverse(a.clone(), 1e-12).unwrap();
+        let inverse = pseudo_inverse(&a, 1e-12).unwrap();
         let size = a.norm() + inverse.norm();
         assert!((&a * &inverse * &a - &a).norm() <= 1e-12 * size);
         assert!((&inverse * &a * &inverse - &inverse).norm() <= 1e-12 * size);
         assert!((&a * &inverse - (&a * &inverse).transpose()).norm() <= 1e-12 * size);
     }
+}
+
+/// The factors are orthonormal, the singular values descend, and their product is the matrix.
+fn assert_decomposed(a: &DMatrix<f64>) {
+    let found = svd(a).unwrap();
+    let (u, v_t, s) = (found.u.unwrap(), found.v_t.unwrap(), found.singular_values);
+    let one = DMatrix::identity(s.len(), s.len());
+    assert!((u.tr_mul(&u) - &one).amax() <= 1e-13 && (&v_t * v_t.transpose() - one).amax() <= 1e-13, "{a}");
+    assert!(s.as_slice().windows(2).all(|w| w[0] >= w[1]) && s.min() >= 0.0);
+    assert!((u * DMatrix::from_diagonal(&s) * v_t - a).amax() <= 1e-13 * a.amax(), "{a}");
+}
+
+proptest! {
+    /// Matrices of every rank, with rows and columns of very different size.
+    #[test]
+    fn a_matrix_is_the_product_of_its_factors(
+        (rows, columns, rank) in (1..8usize, 1..8usize, 0..8usize),
+        entries in prop::collection::vec(-3..4i32, 112),
+        sizes in prop::collection::vec(-40..40i32, 16),
+    ) {
+        let left = DMatrix::from_fn(rows, rank, |i, j| f64::from(entries[i * 7 + j]));
+        let right = DMatrix::from_fn(rank, columns, |i, j| f64::from(entries[56 + i * 8 + j]));
+        let plain = left * right;
+        assert_decomposed(&plain);
+        assert_decomposed(&DMatrix::from_fn(rows, columns, |i, j| plain[(i, j)] * 2f64.powi(sizes[i] + sizes[8 + j])));
+        assert_decomposed(&(&plain * 1e-290));
+        assert_decomposed(&(plain * 1e290));
+    }
+
+    /// Q₁ D Q₂ with random reflections Q has the singular values D.
+    #[test]
+    fn singular_values_are_those_of_the_construction(
+        values in prop::collection::vec(-14.0..1.0f64, 5),
+        directions in prop::collection::vec(0.1..1.0f64, 12),
+    ) {
+        let reflection = |d: &[f64]| {
+            let d = DVector::from_column_slice(d).normalize();
+            DMatrix::identity(d.len(), d.len()) - &d * d.transpose() * 2.0
+        };
+        let mut diagonal = DMatrix::zeros(7, 5);
+        let mut sorted: Vec<f64> = values.iter().map(|v| 10f64.powf(*v)).collect();
+        (0..5).for_each(|i| diagonal[(i, i)] = sorted[i]);
+        let a = reflection(&directions[..7]) * diagonal * reflection(&directions[7..]);
+        sorted.sort_by(|x, y| y.total_cmp(x));
+        let found = svd(&a).unwrap().singular_values;
+        prop_assert!(found.iter().zip(&sorted).all(|(f, s)| (f - s).abs() <= 1e-13 * sorted[0]), "{found} {sorted:?}");
+    }
+}
+
+/// Sizes at which the QR algorithm of nalgebra takes √(rows · columns) for other numbers, and a matrix of full rank.
+#[test]
+fn matrices_of_ones_are_decomposed() {
+    for rows in 1..30 {
+        for columns in 1..30 {
+            let ones = DMatrix::from_element(rows, columns, 1.0);
+            assert_decomposed(&ones);
+            let exact = ((rows * columns) as f64).sqrt();
+            assert!((svd(&ones).unwrap().singular_values[0] - exact).abs() <= 1e-13 * exact);
+        }
+    }
+    assert_decomposed(&DMatrix::from_row_slice(3, 3, &[1.0, 2.0, 2.0, 2.0, -1.0, -1.0, 2.0, 1.0, -1.0]));
+    assert_decomposed(&DMatrix::zeros(4, 3));
+    assert!(svd(&DMatrix::zeros(0, 3)).is_none());
 }

@@ -293,7 +293,7 @@ impl Field<'_> {
             }
             let gram = DMatrix::from_fn(m, m, dot);
             let size = gram.amax();
-            let Some(inverse) = pseudo_inverse(gram, 1e-12 * size) else {
+            let Some(inverse) = pseudo_inverse(&gram, 1e-12 * size) else {
                 return;
             };
             for a in 0..m {

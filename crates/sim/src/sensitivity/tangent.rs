@@ -310,7 +310,7 @@ impl Maps {
         if !eliminate(&mut matrix, &mut right, m, SINGULAR * size) {
             // Where the components depend on each other, so do their rows, and every solution has the same forces.
             let rows = DMatrix::from_fn(m, n, |a, j| self.surfaces.gradient(sticking[a])[j]);
-            let Some(inverse) = pseudo_inverse(all.clone(), SINGULAR * size) else {
+            let Some(inverse) = pseudo_inverse(&all, SINGULAR * size) else {
                 return false;
             };
             let shared = inverse * &rows;
