@@ -15,6 +15,7 @@ pub mod dense;
 pub mod eigen;
 pub mod equations;
 mod jacobi;
+pub mod least_squares;
 #[cfg(feature = "dense")]
 pub mod rows;
 pub mod spline;

@@ -6,6 +6,7 @@ mod collocation;
 mod dense;
 mod eigen;
 mod equations;
+mod least_squares;
 #[cfg(feature = "dense")]
 mod rows;
 mod splines;
