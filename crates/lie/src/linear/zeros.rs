@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use bracketry_numerics::eigen::eigenvalues;
+use bracketry_numerics::eigen::{eigenvalues, svd};
 
 /// The matrices of a linear system.
 #[derive(Clone, Debug)]
@@ -22,12 +22,9 @@ fn range_first(m: &DMatrix<f64>, tolerance: f64) -> Option<(DMatrix<f64>, usize)
     // Square, so that the decomposition gives all of the basis.
     let mut square = DMatrix::zeros(rows, rows.max(m.ncols()));
     square.view_mut((0, 0), m.shape()).copy_from(m);
-    let svd = nalgebra::SVD::try_new(square, true, false, f64::EPSILON, 500 * rows.max(m.ncols()))?;
-    let u = svd.u?;
-    let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
-    order.sort_by(|&i, &j| svd.singular_values[j].total_cmp(&svd.singular_values[i]));
-    let rank = order.iter().filter(|&&i| svd.singular_values[i] > tolerance).count();
-    Some((DMatrix::from_fn(rows, rows, |i, j| u[(i, order[j])]), rank))
+    let svd = svd(&square)?;
+    let rank = svd.rank(tolerance);
+    Some((svd.u?, rank))
 }
 
 fn stacked(upper: &DMatrix<f64>, lower: &DMatrix<f64>) -> DMatrix<f64> {

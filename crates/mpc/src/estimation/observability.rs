@@ -3,14 +3,13 @@
 use super::augmented::Augmented;
 use super::problem::{DisturbanceChannel, EstimationProblem};
 use crate::error::{MpcError, check_length};
-use nalgebra::{DMatrix, SVD};
+use bracketry_numerics::eigen::svd;
+use nalgebra::DMatrix;
 
 /// Singular values below this fraction of the largest count as zero.
 const RANK: f64 = 1e-9;
 /// Share in an unobservable direction from which a quantity is named.
 const SHARE: f64 = 1e-3;
-/// Iterations of a singular value decomposition.
-const MOST_ITERATIONS: usize = 10_000;
 
 impl EstimationProblem {
     /// Checks that states, parameters and disturbances can all be told from the measured outputs near the state `x` with the
@@ -58,11 +57,7 @@ impl EstimationProblem {
             }
             c = &c * &f;
         }
-        // The decomposition does not end where anything is not a number.
-        if matrix.iter().any(|v| !v.is_finite()) {
-            return Ok(());
-        }
-        let Some(svd) = SVD::try_new(matrix, false, true, f64::EPSILON, MOST_ITERATIONS) else { return Ok(()) };
+        let Some(svd) = svd(&matrix) else { return Ok(()) };
         let largest = svd.singular_values.max();
         let Some(directions) = svd.v_t else { return Ok(()) };
         let mut unseen = vec![false; n];
