@@ -2,6 +2,7 @@
 
 use super::levenberg_marquardt::minimize;
 use super::scaled::Row;
+use bracketry_numerics::eigen::{pseudo_inverse, svd};
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector, Vector6};
 
 /// Covariance of the 36 entries, column by column.
@@ -94,8 +95,7 @@ pub(super) fn total_least_squares(rows: &[Row]) -> Option<(Matrix6<f64>, EntryCo
         Some(row) => (whiten_x.row(j - 6) * row.displacement)[0],
         None => 0.0,
     });
-    let svd = data.svd(false, true);
-    let right = svd.v_t?;
+    let right = svd(&data)?.v_t?;
     // Singular values come in descending order: the last six rows span what is orthogonal to the graph.
     let orthogonal = right.rows(6, 6);
     let w = Matrix6::from_fn(|i, j| orthogonal[(i, j)]);
@@ -140,7 +140,7 @@ pub(super) fn positive_definite(rows: &[Row], most_iterations: usize) -> Option<
         }
         Some(stacked)
     };
-    let minimum = minimize(residuals, start, most_iterations)?;
+    let minimum = minimize(residuals, &start, most_iterations)?;
     // Entries per parameter: d(G Gᵀ) = dG Gᵀ + G dGᵀ.
     let g = factor(&minimum.parameters);
     let mut entries = DMatrix::zeros(36, 21);
@@ -152,7 +152,7 @@ pub(super) fn positive_definite(rows: &[Row], most_iterations: usize) -> Option<
     }
     let information = minimum.jacobian.tr_mul(&minimum.jacobian);
     let tiny = 1e-12 * information.amax();
-    let covariance = &entries * information.pseudo_inverse(tiny).ok()? * entries.transpose();
+    let covariance = &entries * pseudo_inverse(&information, tiny)? * entries.transpose();
     let covariance = EntryCovariance::from_column_slice(covariance.as_slice());
     Some((compliance(&minimum.parameters), covariance, minimum.converged))
 }

@@ -1,14 +1,17 @@
 //! Which poses and loads tell the most.
 
 use super::error::{IdentificationError, Place};
-use super::levenberg_marquardt::central_differences;
 use super::measurement::MeasurementNoise;
 use super::parameters::{logarithms, parameters, springs_at};
 use super::uncertainty::Uncertainty;
 use crate::compliance::{Deformation, Springs, loaded_compliance};
 use crate::error::StiffnessError;
 use crate::robot::{Kinematics, Robot, Wrench};
+use bracketry_numerics::least_squares::central_differences;
 use nalgebra::{DMatrix, DVector};
+
+/// Step of the central differences; the parameters are logarithms.
+const DIFFERENCE: f64 = 1e-5;
 
 /// A choice from candidates.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +55,7 @@ impl PoseInformation {
                 let tool = Deformation::product(robot, &springs_at(springs, p), q, wrench)?.tool;
                 Ok::<_, StiffnessError>(DVector::from_column_slice(tool.as_slice()))
             };
-            let sensitivity = central_differences(displacement, &point)?;
+            let sensitivity = central_differences(displacement, &point, DIFFERENCE)?;
             let information = sensitivity.tr_mul(&whiten.solve(&sensitivity));
             match information.iter().find(|v| !v.is_finite()) {
                 Some(v) => Err(IdentificationError::NotFinite {

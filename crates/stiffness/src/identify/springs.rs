@@ -204,7 +204,7 @@ fn fit(
         let start_point = logarithms(&parameters(&springs)?);
         let iterations = settings.most_iterations;
         let minimum =
-            minimize(residuals, start_point, iterations).ok_or(IdentificationError::NotConverged { iterations })?;
+            minimize(residuals, &start_point, iterations).ok_or(IdentificationError::NotConverged { iterations })?;
         if !minimum.converged {
             return Err(IdentificationError::NotConverged { iterations });
         }
