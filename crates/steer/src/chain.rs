@@ -5,7 +5,8 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{DMatrix, DVector, SVD};
+use bracketry_numerics::least_squares::Factored;
+use nalgebra::{DMatrix, DVector};
 
 /// Steps of the integration of the chain.
 const STEPS: usize = 300;
@@ -88,11 +89,10 @@ pub(crate) fn chain_inputs(start: &[f64], end: &[f64], swing: f64) -> Option<Cha
     }
     let scaled = DMatrix::from_fn(n - 1, count, |i, j| matrix[(i, j)] / sizes[i]);
     let gap = DVector::from_fn(n - 1, |i, _| gap[i] / sizes[i]);
-    let svd = SVD::try_new(scaled, true, true, f64::EPSILON, 10_000)?;
-    let (most, least) = (svd.singular_values.max(), svd.singular_values.min());
-    if least <= RANK * most {
+    let factored = Factored::new(&scaled, RANK)?;
+    if factored.rank() < n - 1 {
         return None;
     }
-    let solution = svd.solve(&gap, 0.0).ok()?;
+    let solution = factored.solve(&gap, 0.0);
     Some(ChainInputs { shift, swing, amplitudes: solution.iter().zip(1..).map(|(b, k)| b / f64::from(k)).collect() })
 }

@@ -1,6 +1,7 @@
 //! Newton steps on inputs that remove what is left of the end error.
 
-use nalgebra::{DMatrix, DVector, SVD};
+use bracketry_numerics::least_squares::{Factored, central_differences};
+use nalgebra::DVector;
 
 use crate::problem::Problem;
 use crate::roll_out::{RollOut, distance};
@@ -52,7 +53,7 @@ fn shapes(signals: &Signals, states: usize) -> Vec<Shape> {
 
 fn changed(signals: &Signals, shapes: &[Shape], amounts: &[f64]) -> Signals {
     let mut new = signals.clone();
-    for (shape, amount) in shapes.iter().zip(amounts) {
+    for (shape, amount) in shapes.iter().zip(amounts).filter(|(_, amount)| **amount != 0.0) {
         for &(row, weight) in &shape.rows {
             new.values[row][shape.input] += amount * weight;
         }
@@ -76,13 +77,13 @@ pub(crate) fn corrected(
         }
         let before = error;
         let shapes = shapes(&best, to.len());
-        let Some((svd, sizes)) = jacobian(problem, plant, &best, &shapes) else { break };
+        let Some((factored, sizes)) = jacobian(problem, plant, &best, &shapes) else { break };
         for _ in 0..STEPS {
             let Some(end) = plant.end(from, &best) else { break };
             let gap = DVector::from_fn(to.len(), |i, _| to[i] - end[i]);
             let mut moved = false;
             for damping in DAMPING {
-                let Some(step) = damped(&svd, &gap, damping) else { break };
+                let step = factored.solve(&gap, damping * factored.largest().powi(2));
                 let amounts: Vec<f64> = step.iter().zip(&sizes).map(|(s, size)| s * size).collect();
                 let next = changed(&best, &shapes, &amounts);
                 let Some(reached) = plant.end(from, &next).map(|x| distance(&x, to)) else { continue };
@@ -103,24 +104,16 @@ pub(crate) fn corrected(
     (best, error, taken)
 }
 
-/// The step of Levenberg and Marquardt, that of Newton with least norm without damping.
-fn damped(svd: &SVD<f64, nalgebra::Dyn, nalgebra::Dyn>, gap: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-    let (u, v) = (svd.u.as_ref()?, svd.v_t.as_ref()?);
-    let most = svd.singular_values.max();
-    let mut along = u.transpose() * gap;
-    for (c, &s) in along.iter_mut().zip(svd.singular_values.iter()) {
-        *c = if s > RANK * most { *c * s / (s * s + damping * most * most) } else { 0.0 };
-    }
-    Some(v.transpose() * along)
-}
-
 /// The derivative of the end by the amplitudes of the shapes, each relative to the size of its input.
 fn jacobian(
     problem: &Problem,
     plant: &mut RollOut,
     signals: &Signals,
     shapes: &[Shape],
-) -> Option<(SVD<f64, nalgebra::Dyn, nalgebra::Dyn>, Vec<f64>)> {
+) -> Option<(Factored, Vec<f64>)> {
+    if shapes.is_empty() {
+        return None;
+    }
     let from = &problem.options.from;
     let overall = (0..signals.values[0].len()).map(|j| signals.largest(j)).fold(1e-3, f64::max);
     let sizes: Vec<f64> = shapes
@@ -130,19 +123,13 @@ fn jacobian(
             if own > 0.0 { own } else { overall }
         })
         .collect();
-    let mut columns = Vec::new();
-    for (k, size) in sizes.iter().enumerate() {
+    let end = |amounts: &DVector<f64>| {
         if problem.is_over() {
-            return None;
+            return Err(());
         }
-        let mut at = |amount: f64| plant.end(from, &changed(signals, &shapes[k..=k], &[amount * size]));
-        let (up, down) = (at(DIFFERENCE)?, at(-DIFFERENCE)?);
-        columns.push(DVector::from_fn(up.len(), |i, _| (up[i] - down[i]) / (2.0 * DIFFERENCE)));
-    }
-    if columns.is_empty() || columns.iter().flatten().any(|v| !v.is_finite()) {
-        return None;
-    }
-    let matrix = DMatrix::from_columns(&columns);
-    let most = 500 * (matrix.nrows() + matrix.ncols());
-    Some((SVD::try_new(matrix, true, true, f64::EPSILON, most)?, sizes))
+        let amounts: Vec<f64> = amounts.iter().zip(&sizes).map(|(a, size)| a * size).collect();
+        plant.end(from, &changed(signals, shapes, &amounts)).map(DVector::from_vec).ok_or(())
+    };
+    let jacobian = central_differences(end, &DVector::zeros(shapes.len()), DIFFERENCE).ok()?;
+    Some((Factored::new(&jacobian, RANK)?, sizes))
 }

@@ -3,10 +3,11 @@
 use bracketry_lie::Evidence;
 use bracketry_lie::analysis::ModeFields;
 use bracketry_lie::feedback::{DynamicExtension, ExtensionLimits};
+use bracketry_numerics::least_squares::{Damping, Settings, Status, minimize};
 use bracketry_sim::Hold;
 use bracketry_symbolic::{Expr, Function, Symbol, Tape};
 use bracketry_system::System;
-use nalgebra::{DMatrix, DVector, SVD};
+use nalgebra::{DMatrix, DVector};
 
 use crate::chain::runge_kutta;
 use crate::chained::values;
@@ -118,72 +119,33 @@ fn compiled(system: &System, extension: &DynamicExtension) -> Option<Compiled> {
 
 /// The inputs at which the state rests, or moves least: f + G u is smallest.
 pub(crate) fn resting_inputs(system: &System, x: &[f64]) -> Option<Vec<f64>> {
-    let (n, m) = (system.states.len(), system.inputs.len());
     let arguments: Vec<Symbol> = system.states.iter().chain(&system.inputs).copied().collect();
     let tape = system.compile(&arguments, &system.dynamics).ok()?;
-    let rates = |u: &[f64]| -> Vec<f64> {
+    let mut rates = |u: &DVector<f64>| {
         let at: Vec<f64> = x.iter().chain(u).copied().collect();
-        values(&tape, &at)
+        Some(DVector::from_vec(values(&tape, &at)))
     };
-    let mut u = vec![0.0; m];
-    for _ in 0..20 {
-        let f = rates(&u);
-        let columns: Vec<DVector<f64>> = (0..m)
-            .map(|j| {
-                let mut moved = u.clone();
-                moved[j] += 1e-6;
-                DVector::from_iterator(n, rates(&moved).iter().zip(&f).map(|(a, b)| (a - b) * 1e6))
-            })
-            .collect();
-        let matrix = DMatrix::from_columns(&columns);
-        if !matrix.iter().chain(&f).all(|v| v.is_finite()) {
-            return None;
-        }
-        let svd = SVD::try_new(matrix, true, true, f64::EPSILON, 10_000)?;
-        let step = svd.solve(&-DVector::from_vec(f), 1e-6 * svd.singular_values.max().max(1e-300)).ok()?;
-        u.iter_mut().zip(step.iter()).for_each(|(u, d)| *u += d);
-        if step.amax() < 1e-12 {
-            break;
-        }
-    }
-    u.iter().all(|v| v.is_finite()).then_some(u)
+    let found = minimize(&mut rates, &DVector::zeros(system.inputs.len()), &newton(20, 1e-6))?;
+    (found.status != Status::NoDerivative).then(|| found.at.as_slice().to_vec())
+}
+
+/// Newton's method, damped where it does not help.
+fn newton(iterations: usize, rank: f64) -> Settings {
+    Settings { damping: Damping { undamped: 1e-3, ..Damping::default() }, iterations, rank, ..Settings::default() }
 }
 
 impl Compiled {
     /// The state with values of the added states for which the inputs are those given.
     fn with_compensator(&self, x: &[f64], inputs: &[f64]) -> Vec<f64> {
-        let added = self.states - x.len();
-        let mut z = vec![0.0; added];
-        let all = |z: &[f64]| -> Vec<f64> { x.iter().chain(z).copied().collect() };
-        let gap = |z: &[f64]| -> DVector<f64> {
+        let all = |z: &DVector<f64>| -> Vec<f64> { x.iter().chain(z).copied().collect() };
+        let mut gap = |z: &DVector<f64>| {
             let at: Vec<f64> = all(z).into_iter().chain(vec![0.0; self.inputs]).collect();
             let out = values(&self.motion, &at);
-            DVector::from_iterator(self.inputs, out[self.states..].iter().zip(inputs).map(|(a, b)| a - b))
+            Some(DVector::from_iterator(self.inputs, out[self.states..].iter().zip(inputs).map(|(a, b)| a - b)))
         };
-        for _ in 0..30 {
-            let now = gap(&z);
-            if added == 0 || now.amax() < 1e-13 || !now.iter().all(|v| v.is_finite()) {
-                break;
-            }
-            let columns: Vec<DVector<f64>> = (0..added)
-                .map(|k| {
-                    let mut moved = z.clone();
-                    moved[k] += 1e-6;
-                    (gap(&moved) - &now) * 1e6
-                })
-                .collect();
-            let matrix = DMatrix::from_columns(&columns);
-            if !matrix.iter().all(|v| v.is_finite()) {
-                break;
-            }
-            let Some(svd) = SVD::try_new(matrix, true, true, f64::EPSILON, 10_000) else { break };
-            let Ok(step) = svd.solve(&-now, 1e-7 * svd.singular_values.max().max(1e-300)) else { break };
-            z.iter_mut().zip(step.iter()).for_each(|(z, d)| *z += d);
-            if step.amax() < 1e-14 {
-                break;
-            }
-        }
-        all(&z)
+        let start = DVector::zeros(self.states - x.len());
+        let settings = Settings { enough: 1e-13, ..newton(30, 1e-7) };
+        all(&minimize(&mut gap, &start, &settings).map_or(start, |found| found.at))
     }
 
     /// The given inputs over time; `None` where the decoupling matrix becomes singular on the way.

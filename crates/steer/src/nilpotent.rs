@@ -7,10 +7,11 @@
 use bracketry_lie::algebra::HallBasis;
 use bracketry_lie::analysis::ModeFields;
 use bracketry_lie::{Evidence, Undecided};
+use bracketry_numerics::least_squares::Factored;
 use bracketry_sim::Hold;
 use bracketry_symbolic::{Expr, Tape};
 use bracketry_system::System;
-use nalgebra::{DMatrix, DVector, SVD};
+use nalgebra::{DMatrix, DVector};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
@@ -108,7 +109,7 @@ fn approach(problem: &Problem, brackets: &Brackets, plant: &mut RollOut, from: &
         rounds += 1;
         let target: Vec<f64> = x.iter().zip(goal).map(|(x, g)| x + part * (g - x)).collect();
         let reached = brackets.line(&x, &target).and_then(|series| {
-            let flows = brackets.algebra.flows(&series)?;
+            let flows = brackets.algebra.flows(&series);
             let signals = pieces(problem, inputs, &flows);
             let end = if flows.is_empty() { Some(x.clone()) } else { plant.end(&x, &signals) };
             end.map(|end| (flows, end))
@@ -217,14 +218,9 @@ impl Brackets {
 
     /// Inputs of the extended system that move x along a direction, those of least norm.
     fn inputs(&self, x: &[f64], direction: &[f64]) -> Option<Vec<f64>> {
-        let flat = values(&self.tape, x);
-        if !flat.iter().all(|v| v.is_finite()) {
-            return None;
-        }
-        let matrix = DMatrix::from_vec(self.states, self.present.len(), flat);
-        let svd = SVD::try_new(matrix.clone(), true, true, f64::EPSILON, 10_000)?;
+        let matrix = DMatrix::from_vec(self.states, self.present.len(), values(&self.tape, x));
         let right = DVector::from_column_slice(direction);
-        let v = svd.solve(&right, RANK * svd.singular_values.max()).ok()?;
+        let v = Factored::new(&matrix, RANK)?.solve(&right, 0.0);
         let left = (&matrix * &v - &right).amax();
         (left <= 1e-7 * right.amax().max(1e-12)).then(|| v.iter().copied().collect())
     }
