@@ -42,9 +42,4 @@ impl Equations {
         self.jacobian.eval(z.as_slice(), &mut self.scratch, &mut out);
         DMatrix::from_row_slice(self.rows, z.len(), &out)
     }
-
-    /// The variables moved into their limits.
-    pub(crate) fn clamped(&self, z: &DVector<f64>) -> DVector<f64> {
-        DVector::from_fn(z.len(), |k, _| z[k].clamp(self.limits[k][0], self.limits[k][1]))
-    }
 }
