@@ -2,12 +2,13 @@
 
 use super::compiled::Compiled;
 use super::linearization::Normal;
-use super::normal::{Full, full, sensitivities};
+use super::normal::{Full, damping, full, sensitivities};
 use super::slot::{Slot, WindowFit};
 use super::step::Step;
 use super::unknown::{Range, Unknown};
 use crate::effect::Effect;
 use crate::settings::SolverSettings;
+use bracketry_numerics::least_squares::Trial;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -156,7 +157,7 @@ fn minimize(
     let (unknowns, solver) = (&compiled.unknowns, &compiled.settings.solver);
     let p = unknowns.len();
     let mut theta = start;
-    let mut lambda = solver.first_damping;
+    let mut damping = damping(solver, solver.most_damping);
     let mut status = FitStatus::IterationLimit;
     if p == 0 {
         return Solution {
@@ -172,25 +173,22 @@ fn minimize(
     for iteration in 1..=iterations {
         let cost = slots.iter().map(Slot::cost).sum::<f64>() + penalty(unknowns, &theta);
         let settled = settled(slots, cost, solver);
-        let mut found = None;
         let mut rejected = false;
-        while lambda < solver.most_damping {
-            let Some(step) = Step::new(slots, unknowns, &theta, ranges, &normals, lambda) else { break };
+        let found = damping.search(|lambda| {
+            let Some(step) = Step::new(slots, unknowns, &theta, ranges, &normals, lambda) else { return Trial::Last };
             if step.fall < settled {
                 if !rejected {
                     status = FitStatus::Converged;
                 }
-                break;
+                return Trial::Last;
             }
             let own = penalty(unknowns, &step.theta);
-            if let Some((points, squares)) = step.simulate(slots, cost - own) {
-                found = Some((step.theta, points, cost - own - squares));
-                lambda = (0.1 * lambda).max(solver.least_damping);
-                break;
-            }
-            rejected = true;
-            lambda *= 10.0;
-        }
+            let Some((points, squares)) = step.simulate(slots, cost - own) else {
+                rejected = true;
+                return Trial::Rejected;
+            };
+            Trial::Accepted((step.theta, points, cost - own - squares))
+        });
         let Some((next, points, fall)) = found else {
             if status != FitStatus::Converged {
                 status = FitStatus::Stalled;

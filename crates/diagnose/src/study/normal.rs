@@ -3,6 +3,8 @@
 use super::compiled::{Compiled, Target};
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
+use crate::settings::SolverSettings;
+use bracketry_numerics::least_squares::{Damping, Trial};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// A window with the values at which it was simulated last.
@@ -172,6 +174,11 @@ impl Eliminated {
     }
 }
 
+/// How the steps of a fit are damped, as far as `most`.
+pub(super) fn damping(solver: &SolverSettings, most: f64) -> Damping {
+    Damping { value: solver.first_damping, least: solver.least_damping, most, ..Damping::default() }
+}
+
 /// Fits the initial state of a window with the unknowns kept: Levenberg–Marquardt, until the sum of squares falls by less than
 /// `share` of it.
 pub(super) fn settle(
@@ -185,7 +192,7 @@ pub(super) fn settle(
     let mut point = simulate(runner, theta, start)?;
     let mut cost = point.square + states.penalty(start);
     let solver = &compiled.settings.solver;
-    let mut lambda = solver.first_damping;
+    let mut damping = damping(solver, solver.most_state_damping);
     let rough = share > solver.settled_share;
     let iterations = if rough { solver.rough_state_iterations } else { solver.state_iterations };
     for _ in 0..iterations {
@@ -195,21 +202,16 @@ pub(super) fn settle(
         if Eliminated::new(&full, &point.x0, states, 0.0).is_some_and(|e| e.gain < settled) {
             break;
         }
-        let mut improved = None;
-        while lambda < solver.most_state_damping {
-            let Some(eliminated) = Eliminated::new(&full, &point.x0, states, lambda) else { break };
+        let improved = damping.search(|lambda| {
+            let Some(eliminated) = Eliminated::new(&full, &point.x0, states, lambda) else { return Trial::Last };
             let step = eliminated.step(&DVector::zeros(0));
             let x0: Vec<f64> = (0..start.len()).map(|i| point.x0[i] + step[i] * states.scales[i]).collect();
-            if let Ok(next) = simulate(runner, theta, &x0) {
-                let next_cost = next.square + states.penalty(&x0);
-                if next_cost < cost {
-                    improved = Some((next, next_cost));
-                    lambda = (0.1 * lambda).max(solver.least_damping);
-                    break;
-                }
+            let next = simulate(runner, theta, &x0).map(|next| (next.square + states.penalty(&x0), next));
+            match next {
+                Ok((next_cost, next)) if next_cost < cost => Trial::Accepted((next, next_cost)),
+                _ => Trial::Rejected,
             }
-            lambda *= 10.0;
-        }
+        });
         let Some((next, next_cost)) = improved else { break };
         let fall = cost - next_cost;
         point = next;
