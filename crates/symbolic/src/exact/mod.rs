@@ -4,6 +4,7 @@ mod cases;
 mod character;
 mod circle;
 mod compose;
+mod constant_sign;
 mod constants;
 mod echelon;
 mod explog;

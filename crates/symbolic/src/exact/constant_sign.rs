@@ -1,0 +1,287 @@
+//! Signs of constants: intervals with ends of growing precision, and the zero test where they do not leave 0.
+
+use std::cmp::Ordering;
+
+use dashu_float::FBig;
+use dashu_float::round::mode::{Down, Up};
+use dashu_ratio::RBig;
+use rustc_hash::FxHashMap;
+
+use super::{Bindings, ZeroTest};
+use crate::func::{Func, Func2};
+use crate::pool::{Expr, Node, Pool};
+
+/// Bits of the ends, one attempt after the other.
+const BITS: [usize; 5] = [64, 128, 256, 512, 1024];
+/// Larger expressions and powers, and values with longer exponents, are not looked at.
+const MAX_NODES: usize = 20_000;
+const MAX_POWER: u64 = 1 << 20;
+const MAX_EXPONENT: isize = 1 << 14;
+
+impl Pool {
+    /// The sign of a constant; `None` where 1024 bits do not tell it from zero and the zero test finds it nonzero or is undecided,
+    /// or where it has symbols without values, or no value.
+    ///
+    /// ```
+    /// use bracketry_symbolic::{Bindings, Pool};
+    /// let mut p = Pool::new();
+    /// let mut sign = |e: &str| {
+    ///     let e = p.parse(e).unwrap();
+    ///     p.constant_sign(e, &Bindings::new())
+    /// };
+    /// assert_eq!(sign("sqrt(2)*sqrt(3) - sqrt(6)"), Some(std::cmp::Ordering::Equal));
+    /// // Nearer to zero than floating-point numbers can tell.
+    /// assert_eq!(sign("exp(pi*sqrt(163)) - 262537412640768744"), Some(std::cmp::Ordering::Less));
+    /// assert_eq!(sign("x - x^2"), None);
+    /// ```
+    pub fn constant_sign(&mut self, e: Expr, bindings: &Bindings) -> Option<Ordering> {
+        let nodes = self.reachable(&[e]);
+        if nodes.len() > MAX_NODES {
+            return None;
+        }
+        for (attempt, bits) in BITS.into_iter().enumerate() {
+            if self.is_late() {
+                return None;
+            }
+            match Interval::of_constant(self, &nodes, bindings, bits) {
+                Some(i) if i.low > Low::ZERO => return Some(Ordering::Greater),
+                Some(i) if i.high < High::ZERO => return Some(Ordering::Less),
+                _ if attempt > 0 => {}
+                found => match self.zero_test(e, bindings) {
+                    ZeroTest::Zero(_) => return found.map(|_| Ordering::Equal),
+                    ZeroTest::NonZero | ZeroTest::Unknown(_) => {}
+                },
+            }
+        }
+        None
+    }
+}
+
+type Low = FBig<Down, 2>;
+type High = FBig<Up, 2>;
+
+/// All numbers from `low` to `high`: every operation rounds outward.
+#[derive(Clone, Debug)]
+struct Interval {
+    low: Low,
+    high: High,
+}
+
+impl Interval {
+    /// The value of the last of some nodes.
+    fn of_constant(pool: &Pool, nodes: &[Expr], bindings: &Bindings, bits: usize) -> Option<Self> {
+        let mut values: FxHashMap<Expr, Interval> = FxHashMap::default();
+        for &e in nodes {
+            let at = |e: Expr| &values[&e];
+            let value = match pool.node(e) {
+                Node::Num(_) => Self::of(pool.number(e)?, bits),
+                Node::Pi => Self::pi(bits),
+                Node::Sym(s) => Self::of(bindings.get(s)?, bits),
+                Node::Add(a, b) => at(a).plus(at(b)),
+                Node::Mul(a, b) if a == b => at(a).square(),
+                Node::Mul(a, b) => at(a).times(at(b)),
+                Node::Pow(a, k) => match pool.number(k) {
+                    Some(k) => at(a).power(k, bits)?,
+                    None => at(a).logarithm()?.times(at(k)).exponential()?,
+                },
+                Node::Call(f, a) => at(a).image(f, bits)?,
+                Node::Call2(f, a, b) => at(a).image2(f, at(b), bits)?,
+            };
+            values.insert(e, value.moderate()?);
+        }
+        values.remove(nodes.last()?)
+    }
+
+    fn of(q: &RBig, bits: usize) -> Self {
+        Self { low: q.to_float(bits).value(), high: q.to_float(bits).value() }
+    }
+
+    fn pi(bits: usize) -> Self {
+        Self { low: Low::pi(bits), high: High::pi(bits) }
+    }
+
+    /// Itself, unless its ends are too large or too small to compute with.
+    fn moderate(self) -> Option<Self> {
+        let size = |digits: usize, exponent: isize| (exponent.saturating_add(digits as isize)).abs();
+        let (low, high) = (self.low.repr(), self.high.repr());
+        let fits =
+            size(low.digits(), low.exponent()) < MAX_EXPONENT && size(high.digits(), high.exponent()) < MAX_EXPONENT;
+        (fits && !low.is_infinite() && !high.is_infinite()).then_some(self)
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self { low: &self.low + &other.low, high: &self.high + &other.high }
+    }
+
+    fn negative(&self) -> Self {
+        Self { low: -self.high.clone().with_rounding(), high: -self.low.clone().with_rounding() }
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let [a, b, c, d] =
+            [&self.low, &self.high.clone().with_rounding(), &other.low, &other.high.clone().with_rounding()];
+        let low = [a * c, a * d, b * c, b * d].into_iter().reduce(|x, y| if y < x { y } else { x });
+        let [a, b, c, d] =
+            [&self.low.clone().with_rounding(), &self.high, &other.low.clone().with_rounding(), &other.high];
+        let high: Option<High> = [a * c, a * d, b * c, b * d].into_iter().reduce(|x, y| if y > x { y } else { x });
+        Self { low: low.unwrap_or_default(), high: high.unwrap_or_default() }
+    }
+
+    fn square(&self) -> Self {
+        let product = self.times(self);
+        if self.holds_zero() { product } else { Self { low: product.low.max(Low::ZERO), ..product } }
+    }
+
+    fn holds_zero(&self) -> bool {
+        self.low <= Low::ZERO && self.high >= High::ZERO
+    }
+
+    fn inverse(&self, bits: usize) -> Option<Self> {
+        let one = Self::of(&RBig::ONE, bits);
+        let ends = || Self {
+            low: one.low / self.high.clone().with_rounding::<Down>(),
+            high: one.high / self.low.clone().with_rounding::<Up>(),
+        };
+        (!self.holds_zero()).then(ends)
+    }
+
+    /// Of a number above 0; at ends below it, the interval is not one of the function.
+    fn logarithm(&self) -> Option<Self> {
+        (self.low > Low::ZERO).then(|| Self { low: self.low.ln(), high: self.high.ln() })
+    }
+
+    fn exponential(&self) -> Option<Self> {
+        let moderate = |x: f64| x.abs() < f64::from(1u16 << 13);
+        (moderate(self.low.to_f64().value()) && moderate(self.high.to_f64().value()))
+            .then(|| Self { low: self.low.exp(), high: self.high.exp() })
+    }
+
+    fn power(&self, k: &RBig, bits: usize) -> Option<Self> {
+        let n = u64::try_from(dashu_base::UnsignedAbs::unsigned_abs(k.numerator().clone()))
+            .ok()
+            .filter(|n| *n <= MAX_POWER)?;
+        let d = usize::try_from(k.denominator()).ok().filter(|d| *d as u64 <= MAX_POWER)?;
+        let base = match d {
+            1 => self.clone(),
+            _ if self.low >= Low::ZERO => Self { low: self.low.nth_root(d), high: self.high.nth_root(d) },
+            _ => return None,
+        };
+        let (mut result, mut square, mut left) = (Self::of(&RBig::ONE, bits), base, n);
+        while left > 0 {
+            if left & 1 == 1 {
+                result = result.times(&square).moderate()?;
+            }
+            left >>= 1;
+            if left > 0 {
+                square = square.square().moderate()?;
+            }
+        }
+        if *k < RBig::ZERO { result.inverse(bits) } else { Some(result) }
+    }
+
+    /// A function with slopes from −1 to 1.
+    fn wave(&self, low: impl Fn(&Low) -> Low, high: impl Fn(&High) -> High) -> Self {
+        let start: High = self.low.clone().with_rounding();
+        let width: High = &self.high - &start;
+        Self { low: low(&self.low) - width.clone().with_rounding::<Down>(), high: high(&start) + width }
+    }
+
+    fn image(&self, f: Func, bits: usize) -> Option<Self> {
+        let within_one = || self.low >= Low::NEG_ONE && self.high <= High::ONE;
+        Some(match f {
+            Func::Sin => self.wave(Low::sin, High::sin),
+            Func::Cos => self.wave(Low::cos, High::cos),
+            Func::Tan => self.image(Func::Sin, bits)?.times(&self.image(Func::Cos, bits)?.inverse(bits)?),
+            Func::Asin if within_one() => Self { low: self.low.asin(), high: self.high.asin() },
+            Func::Acos if within_one() => Self {
+                low: self.high.clone().with_rounding::<Down>().acos(),
+                high: self.low.clone().with_rounding::<Up>().acos(),
+            },
+            Func::Asin | Func::Acos => return None,
+            Func::Atan => Self { low: self.low.atan(), high: self.high.atan() },
+            Func::Exp => self.exponential()?,
+            Func::Log => self.logarithm()?,
+            Func::Sinh | Func::Cosh | Func::Tanh => {
+                let (up, half) = (self.exponential()?, Self::of(&RBig::from_parts(1.into(), 2u8.into()), bits));
+                let down = up.inverse(bits)?;
+                match f {
+                    Func::Sinh => up.plus(&down.negative()).times(&half),
+                    Func::Cosh => up.plus(&down).times(&half),
+                    _ => up.plus(&down.negative()).times(&up.plus(&down).inverse(bits)?),
+                }
+            }
+            Func::Abs if self.low >= Low::ZERO => self.clone(),
+            Func::Abs if self.high <= High::ZERO => self.negative(),
+            Func::Sign if self.low > Low::ZERO => Self::of(&RBig::ONE, bits),
+            Func::Sign if self.high < High::ZERO => Self::of(&RBig::NEG_ONE, bits),
+            Func::Abs | Func::Sign => return None,
+        })
+    }
+
+    fn image2(&self, f: Func2, other: &Self, bits: usize) -> Option<Self> {
+        Some(match f {
+            Func2::Min => {
+                Self { low: self.low.clone().min(other.low.clone()), high: self.high.clone().min(other.high.clone()) }
+            }
+            Func2::Max => {
+                Self { low: self.low.clone().max(other.low.clone()), high: self.high.clone().max(other.high.clone()) }
+            }
+            Func2::Atan2 => {
+                let (y, x) = (self, other);
+                if x.low > Low::ZERO {
+                    return y.times(&x.inverse(bits)?).image(Func::Atan, bits);
+                }
+                let quarter = Self::pi(bits).times(&Self::of(&RBig::from_parts(1.into(), 2u8.into()), bits));
+                let angle = x.times(&y.inverse(bits)?).image(Func::Atan, bits)?.negative();
+                if y.low > Low::ZERO { angle.plus(&quarter) } else { angle.plus(&quarter.negative()) }
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn intervals_hold_the_values_of_floating_point_numbers() {
+        let mut pool = Pool::new();
+        for text in [
+            "sin(17/5)*exp(-2/3) + cos(100)",
+            "atan(3/7) - asin(1/5)*acos(2/9)",
+            "tan(11/10)/sqrt(7) - log(5/3)^3",
+            "2^(3/7)*(sinh(1/2) - cosh(3/2)*tanh(1/9))",
+            "atan2(-1, -2) + atan2(3, 5)*min(pi, 3) - max(abs(-2), sign(-pi))",
+            "pi^sqrt(2) - (-3)^5/7^3",
+        ] {
+            let e = pool.parse(text).unwrap();
+            let mut value = [0.0];
+            crate::Tape::compile(&pool, &[], &[e]).unwrap().eval(&[], &mut Vec::new(), &mut value);
+            let nodes = pool.reachable(&[e]);
+            for bits in BITS {
+                let i = Interval::of_constant(&pool, &nodes, &Bindings::new(), bits).unwrap();
+                let (low, high) = (i.low.to_f64().value(), i.high.to_f64().value());
+                let rounding = 1e-13 * value[0].abs().max(1.0);
+                assert!(low - rounding <= value[0] && value[0] <= high + rounding, "{text}: {low} {} {high}", value[0]);
+                assert!(high - low <= rounding, "{text} with {bits} bits: {low} {high}");
+            }
+        }
+    }
+
+    #[test]
+    fn signs_of_differences_far_below_rounding_are_found() {
+        let mut pool = Pool::new();
+        for (text, sign) in [
+            ("sqrt(2) + sqrt(3) - sqrt(5 + 2*sqrt(6))", Some(Ordering::Equal)),
+            ("sin(1)^2 + cos(1)^2 - 1 + 10^(-200)", Some(Ordering::Greater)),
+            ("exp(1/3)*exp(1/6) - exp(1/2)", Some(Ordering::Equal)),
+            ("(1 + 10^(-40))^(1/3) - 1 - 10^(-40)/3", Some(Ordering::Less)),
+            ("log(-1)", None),
+            ("1/(sqrt(2)*sqrt(3) - sqrt(6))", None),
+        ] {
+            let e = pool.parse(text).unwrap();
+            assert_eq!(pool.constant_sign(e, &Bindings::new()), sign, "{text}");
+        }
+    }
+}
