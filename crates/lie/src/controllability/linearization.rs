@@ -97,7 +97,7 @@ pub(crate) fn uncontrollable(pool: &mut Pool, frame: &Frame, rank: usize) -> Res
     let (a, b) = matrices(pool, frame).ok_or(Reason::NoNumbers)?;
     let rest = complement(&a, &b, rank).ok_or(Reason::Rounding)?;
     let block = rest.transpose() * &a * &rest;
-    let tolerance = tolerance(block.norm().max(f64::EPSILON * a.norm()), block.nrows());
+    let tolerance = tolerance(&block, a.norm());
     let found = eigenvalues(&block).ok_or(Reason::NoConvergence)?;
     let worst = found.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
     let decays = if worst.abs() > tolerance { Answer::Known(worst < 0.0) } else { Answer::Unknown(Reason::NearAxis) };
@@ -111,13 +111,16 @@ pub(crate) fn is_hurwitz(pool: &mut Pool, frame: &Frame) -> bool {
         return spectrum.right == 0 && spectrum.on_axis == 0;
     }
     let Some((a, _)) = matrices(pool, frame) else { return false };
-    let tolerance = tolerance(a.norm(), a.nrows());
+    let tolerance = tolerance(&a, a.norm());
     eigenvalues(&a).is_some_and(|found| found.iter().all(|z| z.0 < -tolerance))
 }
 
-/// How far an eigenvalue of multiplicity k can move in floating point: as the k-th root of a perturbation.
-pub(crate) fn tolerance(size: f64, k: usize) -> f64 {
-    10.0 * size.max(f64::MIN_POSITIVE) * (k as f64 * f64::EPSILON).powf(1.0 / k as f64)
+/// How far the eigenvalues of a k × k matrix can move where its entries are computed from numbers of size `source`: by the rounding E of
+/// those numbers, and if all are one, by the k-th root of it, ‖M‖^(1 − 1/k) ‖E‖^(1/k).
+pub(crate) fn tolerance(m: &DMatrix<f64>, source: f64) -> f64 {
+    let k = m.nrows() as f64;
+    let (size, rounding) = (m.norm(), k * f64::EPSILON * source.max(f64::MIN_POSITIVE));
+    10.0 * (rounding + size.powf(1.0 - 1.0 / k) * rounding.powf(1.0 / k))
 }
 
 /// The matrix of A on the rational vectors modulo span{A^k b_i}, in the coordinates w_i x of an annihilating basis; `b` has

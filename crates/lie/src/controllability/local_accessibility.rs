@@ -1,5 +1,7 @@
 //! Accessibility at a given point, where pruning by functional dependence is not allowed.
 
+use std::cmp::Ordering;
+
 use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
@@ -133,6 +135,12 @@ impl Frame {
             let at = self.constants(pool, &[e]);
             pool.substitute(e, &at)
         })
+    }
+
+    /// The sign of `e` at the point; `None` where it has no value there or is not told from zero.
+    pub(crate) fn sign(&self, pool: &mut Pool, e: Expr) -> Option<Ordering> {
+        let e = self.constants_in(pool, e);
+        pool.constant_sign(e, &Bindings::new())
     }
 
     /// Numerical values at the point; `None` if a symbol has no value or a value is not finite.

@@ -1,5 +1,7 @@
 //! The sign that an expression keeps near a point.
 
+use std::cmp::Ordering;
+
 use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, ZeroTest};
 use nalgebra::DMatrix;
 use rustc_hash::FxHashMap;
@@ -77,8 +79,6 @@ impl Extent {
     pub(crate) const LOCAL_HALF_SPACE: Extent = Extent { hyperplane: true, everywhere: false };
 }
 
-/// Values nearer to zero than this are not taken for nonzero.
-const CLEAR: f64 = 1e-9;
 /// Larger expressions, written out as trees, are not looked at.
 const MAX_TREE: f64 = 2_000.0;
 /// Deeper expressions are not looked into.
@@ -112,11 +112,10 @@ impl NearOrigin<'_> {
         }
     }
 
-    fn value(&self, pool: &mut Pool, e: Expr) -> Option<f64> {
+    fn at_origin(&self, pool: &mut Pool, e: Expr) -> Expr {
         let zero = pool.int(0);
         let origin: FxHashMap<Expr, Expr> = self.variables.iter().map(|&s| (pool.sym(s), zero)).collect();
-        let at = pool.substitute(e, &origin);
-        self.frame.numbers(pool, &[at]).map(|v| v[0])
+        pool.substitute(e, &origin)
     }
 
     fn look(&self, pool: &mut Pool, e: Expr, depth: usize) -> Sign {
@@ -127,11 +126,16 @@ impl NearOrigin<'_> {
             return Sign::Unknown;
         }
         let fixed = !self.everywhere || !pool.symbols_of(&[e]).iter().any(|s| self.variables.contains(s));
-        match self.value(pool, e) {
-            Some(v) if v > CLEAR && fixed => return Sign::Positive,
-            Some(v) if v < -CLEAR && fixed => return Sign::Negative,
-            None if fixed => return Sign::Unknown,
-            Some(_) | None => {}
+        if fixed {
+            let here = self.at_origin(pool, e);
+            match self.frame.sign(pool, here) {
+                Some(Ordering::Greater) => return Sign::Positive,
+                Some(Ordering::Less) => return Sign::Negative,
+                Some(Ordering::Equal) if here == e => return Sign::Zero,
+                Some(Ordering::Equal) => {}
+                None if self.frame.numbers(pool, &[here]).is_none() => return Sign::Unknown,
+                None => {}
+            }
         }
         let seen = match pool.node(e) {
             Node::Num(_) => match pool.number(e) {
@@ -173,9 +177,7 @@ impl NearOrigin<'_> {
     }
 
     fn vanishes_at_origin(&self, pool: &mut Pool, e: Expr) -> bool {
-        let zero = pool.int(0);
-        let origin: FxHashMap<Expr, Expr> = self.variables.iter().map(|&s| (pool.sym(s), zero)).collect();
-        let at = pool.substitute(e, &origin);
+        let at = self.at_origin(pool, e);
         let at = self.frame.constants_in(pool, at);
         matches!(pool.zero_test(at, &Bindings::new()), ZeroTest::Zero(_))
     }
@@ -213,8 +215,9 @@ impl NearOrigin<'_> {
     }
 
     fn even(&self, pool: &mut Pool, base: Expr) -> Sign {
-        match self.value(pool, base) {
-            Some(v) if v.abs() > CLEAR && !self.everywhere => Sign::Positive,
+        let here = self.at_origin(pool, base);
+        match self.frame.sign(pool, here) {
+            Some(Ordering::Less | Ordering::Greater) if !self.everywhere => Sign::Positive,
             _ => Sign::NonNegative,
         }
     }
@@ -285,16 +288,14 @@ impl NearOrigin<'_> {
         if self.everywhere && !constant {
             return Sign::Unknown;
         }
-        match definite(&matrix) {
-            Some(true) => return Sign::NonNegative,
-            Some(false) => return Sign::NonPositive,
-            None if !constant => return Sign::Unknown,
-            None => {}
-        }
-        // A quadratic function may also be semidefinite, with as many clear eigenvalues as its exact rank.
+        // As many clear eigenvalues as the exact rank: what is zero would be definite by rounding. A quadratic function may also
+        // be semidefinite.
         let at: Vec<Expr> = second.into_iter().map(|e| self.frame.constants_in(pool, e)).collect();
         let rows: Vec<Vec<Expr>> = at.chunks(used.len()).map(<[Expr]>::to_vec).collect();
         let Ok(rank) = pool.rank(&rows, &Bindings::new()) else { return Sign::Unknown };
+        if !constant && rank.rank < used.len() {
+            return Sign::Unknown;
+        }
         let Some(eigenvalues) = symmetric_eigen(matrix).map(|e| e.eigenvalues) else { return Sign::Unknown };
         let clear = CONDITION * eigenvalues.amax();
         let rising = eigenvalues.iter().filter(|l| **l > clear).count();

@@ -1,6 +1,8 @@
 //! Stability of the zero dynamics.
 
-use bracketry_symbolic::{Expr, Pool, Rational, Symbol, Tape};
+use std::cmp::Ordering;
+
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, Tape};
 use nalgebra::DMatrix;
 
 use crate::algebra::field::VectorFields;
@@ -98,11 +100,11 @@ impl ZeroDynamics {
             };
         }
         let Some(values) = set.numbers(pool, &rows) else { return open(Reason::ZeroDynamicsNoNumbers) };
-        let Some(eigenvalues) = eigenvalues(&DMatrix::from_row_slice(k, k, &values)) else {
+        let matrix = DMatrix::from_row_slice(k, k, &values);
+        let Some(eigenvalues) = eigenvalues(&matrix) else {
             return open(Reason::NoConvergence);
         };
-        let size = eigenvalues.iter().map(|z| z.0.hypot(z.1)).fold(f64::MIN_POSITIVE, f64::max);
-        let tolerance = tolerance(size, k);
+        let tolerance = tolerance(&matrix, matrix.norm());
         let worst = eigenvalues.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
         if worst < -tolerance {
             decided(true, MinimumPhaseReason::Stable, eigenvalues)
@@ -136,14 +138,21 @@ impl ZeroDynamics {
         }
         for order in 1..=MAX_ORDER {
             d = pool.diff(d, z);
-            let vanishes = set.vanishes_at_point(pool, d, evidence);
-            let value = if vanishes == Some(true) { Some(0.0) } else { set.numbers(pool, &[d]).map(|v| v[0]) };
-            let Some(value) = value.filter(|_| vanishes.is_some()) else { break };
+            let sign = match set.vanishes_at_point(pool, d, evidence) {
+                Some(true) => Ordering::Equal,
+                Some(false) => {
+                    let here = set.values_at_point(pool, &[d])[0];
+                    let Some(sign) = pool.constant_sign(here, &Bindings::new()) else { break };
+                    sign
+                }
+                None => break,
+            };
             if order == 1 {
-                eigenvalues.push((value, 0.0));
+                let value = if sign == Ordering::Equal { Some(0.0) } else { set.numbers(pool, &[d]).map(|v| v[0]) };
+                eigenvalues.extend(value.map(|v| (v, 0.0)));
             }
-            if value != 0.0 {
-                let stable = order % 2 == 1 && value < 0.0;
+            if sign != Ordering::Equal {
+                let stable = order % 2 == 1 && sign == Ordering::Less;
                 let reason = match (order, stable) {
                     (1, true) => MinimumPhaseReason::Negative,
                     (1, false) => MinimumPhaseReason::Positive,
