@@ -1,8 +1,9 @@
 //! Accessibility at a given point, where pruning by functional dependence is not allowed.
 
+use std::cell::RefCell;
 use std::cmp::Ordering;
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, Tape};
+use bracketry_symbolic::{Bindings, Evaluation, Expr, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::closure::Closure;
@@ -38,14 +39,12 @@ pub(crate) struct Frame {
     values: Bindings,
     /// Coordinates of the point that are other constants, such as π/2.
     replaced: FxHashMap<Expr, Expr>,
-    /// The point, as expressions.
+    /// The point, as expressions, and modulo the prime.
     point: Vec<Expr>,
+    evaluation: RefCell<Evaluation<PRIME>>,
     /// f and the g_i without the inputs at the point: the generators that words are made of.
     generators: Vec<Field>,
 }
-
-/// Seed of the evaluation at a point (random only for transcendental constants and unbound parameters).
-const POINT_SEED: u64 = 0x6272_6163_6b65_7402;
 
 impl Frame {
     pub(crate) fn new(
@@ -77,10 +76,12 @@ impl Frame {
                 replaced.insert(x, v);
             }
         }
-        Ok(Frame { fields, values, replaced, point: states.to_vec(), generators: system.generators() })
+        let evaluation = RefCell::new(Evaluation::new(values.clone()));
+        Ok(Frame { fields, values, replaced, point: states.to_vec(), evaluation, generators: system.generators() })
     }
 
-    /// Values of the fields at the point, modulo the prime.
+    /// Values of the fields at the point, modulo the prime. Those of all calls belong together: transcendental constants and
+    /// parameters without values are the same residues in all of them.
     pub(crate) fn evaluate(
         &self,
         pool: &mut Pool,
@@ -88,11 +89,18 @@ impl Frame {
         evidence: &mut Evidence,
     ) -> Result<Vec<Vec<Fp>>, Undecided> {
         let n = self.fields.states.len();
-        let mut roots: Vec<Expr> = fields.concat();
-        if !self.replaced.is_empty() {
-            roots = pool.substitute_all(&roots, &self.replaced);
+        let at_point = |pool: &mut Pool, entries: Vec<Expr>| {
+            if self.replaced.is_empty() { entries } else { pool.substitute_all(&entries, &self.replaced) }
+        };
+        let mut evaluation = self.evaluation.borrow_mut();
+        if evaluation.is_new() {
+            // All constants of the system together: e^(1/3) and e^(1/2) are powers of one generator. Where they have no
+            // values together, each is met where it is needed.
+            let all = at_point(pool, [self.fields.controls.concat(), self.fields.drift.clone()].concat());
+            let _ = pool.evaluate(&mut evaluation, &all);
         }
-        let samples = pool.sample_in::<PRIME>(&roots, &self.values, 1, POINT_SEED)?;
+        let roots = at_point(pool, fields.concat());
+        let samples = pool.evaluate(&mut evaluation, &roots)?;
         evidence.add_rank(&samples, n)?;
         Ok(samples.values[0].chunks(n).map(<[Fp]>::to_vec).collect())
     }

@@ -4,7 +4,7 @@
 use crate::common::system;
 use bracketry_lie::controllability::{PointReport, Verdict};
 use bracketry_lie::{AnalysisOptions, Answer, Report, analyze_affine};
-use bracketry_symbolic::{Expr, Symbol};
+use bracketry_symbolic::{Expr, Func, Symbol};
 use bracketry_system::System;
 use proptest::prelude::*;
 use rustc_hash::FxHashMap;
@@ -81,6 +81,62 @@ fn with_feedback(original: &System, coefficients: &[Vec<i8>]) -> System {
     s
 }
 
+/// Constants that are no rational numbers, each with one that rotates by it or shears.
+const CONSTANTS: &[&str] = &[
+    "cos(1/3)",
+    "exp(1/2)",
+    "exp(-1/3)",
+    "sqrt(2)",
+    "sqrt(2) + sqrt(3)",
+    "log(2)",
+    "log(3/2)",
+    "tan(2/7)",
+    "pi",
+    "2^(1/3)",
+];
+
+/// One change of two states i ≠ j, by a rotation or a shear.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    states: (usize, usize),
+    constant: usize,
+    rotates: bool,
+}
+
+/// The system in the coordinates z = M x with products M of rotations and shears, named like the old ones.
+fn in_rotated_coordinates(original: &System, planes: &[Plane]) -> System {
+    let mut s = original.clone();
+    let states = s.states.clone();
+    let n = states.len();
+    for plane in planes {
+        let (i, j) = (plane.states.0 % n, (plane.states.0 + 1 + plane.states.1 % (n - 1)) % n);
+        let [x, y] = [i, j].map(|k| s.pool.sym(states[k]));
+        // (x, y) → (c x − s y, s x + c y), or (x + k y, y).
+        let (c, d) = if plane.rotates {
+            let angle = s.pool.parse(["1/5", "3/10", "1/2", "1"][plane.constant % 4]).unwrap();
+            (s.pool.call(Func::Cos, angle), s.pool.call(Func::Sin, angle))
+        } else {
+            (s.pool.int(1), s.pool.parse(CONSTANTS[plane.constant % CONSTANTS.len()]).unwrap())
+        };
+        let mut combine = |a: Expr, b: Expr, sign: i64| -> [Expr; 2] {
+            let sign = s.pool.int(sign);
+            let d = s.pool.mul(sign, d);
+            let minus = s.pool.neg(d);
+            let mut sum = |p: Expr, a: Expr, q: Expr, b: Expr| {
+                let (l, r) = (s.pool.mul(p, a), s.pool.mul(q, b));
+                s.pool.add(l, r)
+            };
+            if plane.rotates { [sum(c, a, minus, b), sum(d, a, c, b)] } else { [sum(c, a, d, b), b] }
+        };
+        let [old_x, old_y] = combine(x, y, -1);
+        let [new_x, new_y] = combine(s.dynamics[i], s.dynamics[j], 1);
+        (s.dynamics[i], s.dynamics[j]) = (new_x, new_y);
+        let map: FxHashMap<Expr, Expr> = [(x, old_x), (y, old_y)].into_iter().collect();
+        s.dynamics = s.pool.substitute_all(&s.dynamics.clone(), &map);
+    }
+    s
+}
+
 fn model(k: usize) -> System {
     let (states, inputs, equations) = SYSTEMS[k];
     system(states, inputs, &[], equations, &[], Some(&[]))
@@ -96,6 +152,12 @@ fn at_point(r: &Report) -> &PointReport {
 
 fn coefficients() -> impl Strategy<Value = Vec<Vec<i8>>> {
     prop::collection::vec(prop::collection::vec(-3i8..4, 3), 4)
+}
+
+fn planes() -> impl Strategy<Value = Vec<Plane>> {
+    let plane = (0usize..3, 0usize..2, 0usize..20, any::<bool>());
+    let plane = plane.prop_map(|(i, j, constant, rotates)| Plane { states: (i, j), constant, rotates });
+    prop::collection::vec(plane, 1..4)
 }
 
 proptest! {
@@ -134,5 +196,23 @@ proptest! {
         let verdicts = [p.stlc.verdict, q.stlc.verdict];
         let contradict = verdicts.contains(&Verdict::Yes) && verdicts.contains(&Verdict::No);
         prop_assert!(!contradict, "{} / {}", p.stlc.reason, q.stlc.reason);
+    }
+
+    #[test]
+    fn irrational_coordinates_change_no_rank_and_no_verdict(k in 0..SYSTEMS.len(), planes in planes()) {
+        let original = model(k);
+        let (a, b) = (report(&original), report(&in_rotated_coordinates(&original, &planes)));
+        prop_assert_eq!(&a.modes[0].dimensions.growth, &b.modes[0].dimensions.growth);
+        prop_assert_eq!(&a.modes[0].dimensions.strong_growth, &b.modes[0].dimensions.strong_growth);
+        let (p, q) = (at_point(&a), at_point(&b));
+        prop_assert_eq!(&p.dimensions.growth, &q.dimensions.growth);
+        prop_assert_eq!(&p.linear_controllability_rank, &q.linear_controllability_rank);
+        for (v, w) in [(p.stlc.verdict, q.stlc.verdict), (p.stlc.with_bounded_inputs(), q.stlc.with_bounded_inputs())] {
+            let contradict = [v, w].contains(&Verdict::Yes) && [v, w].contains(&Verdict::No);
+            prop_assert!(!contradict, "{} / {}", p.stlc.reason, q.stlc.reason);
+        }
+        if let (Some(Answer::Known(v)), Some(Answer::Known(w))) = (&p.stabilizable, &q.stabilizable) {
+            prop_assert_eq!(v, w);
+        }
     }
 }

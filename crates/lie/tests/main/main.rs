@@ -16,6 +16,7 @@ mod identities;
 mod input_output;
 mod integrals;
 mod invariance;
+mod irrational;
 mod large_coefficients;
 mod linearize;
 mod numerical;

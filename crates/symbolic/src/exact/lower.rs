@@ -24,6 +24,7 @@ const MAX_RESTARTS: usize = 64;
 /// A finished program.
 pub(super) struct Lowered<const C: u64> {
     pub(super) program: Program<C>,
+    pub(super) first: Vec<Reg>,
     pub(super) outputs: Vec<Reg>,
     /// Exact values of those roots that are rational constants.
     pub(super) exact: Vec<Option<RBig>>,
@@ -35,9 +36,14 @@ pub(super) struct Lowered<const C: u64> {
     pub(super) extension: f64,
 }
 
-/// Writes the program for `roots`.
-pub(super) fn lower<const C: u64>(pool: &Pool, roots: &[Expr], bindings: &Bindings) -> Result<Lowered<C>, Stop> {
-    let nodes = pool.reachable(roots);
+/// Writes the program for `first` and `roots`. The generators of `first` come before all others, in its order.
+pub(super) fn lower<const C: u64>(
+    pool: &Pool,
+    first: &[Expr],
+    roots: &[Expr],
+    bindings: &Bindings,
+) -> Result<Lowered<C>, Stop> {
+    let nodes = ordered(pool, first, roots);
     let mut exact = FxHashMap::default();
     for &e in &nodes {
         if let Some(v) = exact_value(pool, e, bindings, &exact) {
@@ -65,6 +71,7 @@ pub(super) fn lower<const C: u64>(pool: &Pool, roots: &[Expr], bindings: &Bindin
         match l.nodes(&nodes, &below) {
             Ok(()) => {
                 return Ok(Lowered {
+                    first: first.iter().map(|r| l.registers[r]).collect(),
                     outputs: roots.iter().map(|r| l.registers[r]).collect(),
                     exact: roots.iter().map(|r| l.exact.get(r).cloned()).collect(),
                     ambiguous: l.roots.ambiguous,
@@ -78,6 +85,27 @@ pub(super) fn lower<const C: u64>(pool: &Pool, roots: &[Expr], bindings: &Bindin
         }
     }
     Err(Undecided::TooComplex.into())
+}
+
+/// All nodes below, operands before users: those of `first` in its order before the others.
+fn ordered(pool: &Pool, first: &[Expr], roots: &[Expr]) -> Vec<Expr> {
+    let mut nodes = Vec::new();
+    let mut seen = FxHashSet::default();
+    for below in first.iter().map(|e| pool.reachable(&[*e])) {
+        nodes.extend(below.into_iter().filter(|e| seen.insert(*e)));
+    }
+    nodes.extend(pool.reachable(roots).into_iter().filter(|e| first.is_empty() || seen.insert(*e)));
+    nodes
+}
+
+/// True if `e` may be, or need, a generator: a symbol, π, or a function.
+pub(super) fn is_generator(pool: &Pool, e: Expr) -> bool {
+    matches!(pool.node(e), Node::Sym(_) | Node::Pi)
+        || is_kernel(pool, &FxHashMap::default(), e) && !is_integer_power(pool, e)
+}
+
+fn is_integer_power(pool: &Pool, e: Expr) -> bool {
+    matches!(pool.node(e), Node::Pow(_, k) if pool.number(k).is_some_and(RBig::is_int))
 }
 
 /// True if `e` is not a rational operation.

@@ -7,6 +7,7 @@ mod compose;
 mod constant_sign;
 mod constants;
 mod echelon;
+mod evaluation;
 mod explog;
 mod field;
 mod field_element;
@@ -26,6 +27,7 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 pub use self::echelon::Echelon;
+pub use self::evaluation::Evaluation;
 pub use self::field::{Fp, Residue, SECOND_PRIME, THIRD_PRIME};
 pub use self::field_element::FieldElement;
 
@@ -298,17 +300,32 @@ impl Pool {
         points: usize,
         seed: u64,
     ) -> Result<Samples<C>, Undecided> {
-        let why = match self.sampled::<C>(roots, bindings, Some(points), seed) {
+        Ok(self.sample_after(&[], roots, bindings, (points, seed), &[])?.0)
+    }
+
+    /// [`Pool::sample_in`], and for every point the values of `first` and of all generators, those of `first` before all others;
+    /// `start` gives those with which every point begins.
+    fn sample_after<const C: u64>(
+        &mut self,
+        first: &[Expr],
+        roots: &[Expr],
+        bindings: &Bindings,
+        (points, seed): (usize, u64),
+        start: &[Residue<C>],
+    ) -> Result<(Samples<C>, Vec<Generated<C>>), Undecided> {
+        let why = match self.sampled_after::<C>(first, roots, bindings, (Some(points), seed), start) {
             Err(Stop::Undecided(why @ Undecided::Kernel { .. })) => why,
             other => return other.map_err(reason),
         };
         // Known angles such as atan(1), functions of their inverses, and nested roots of constants.
-        let Some(bound) = self.with_values(roots, bindings) else { return Err(why) };
+        let all = [first, roots].concat();
+        let Some(bound) = self.with_values(&all, bindings) else { return Err(why) };
         let composed = self.composed(&bound);
         if composed == bound {
             return Err(why);
         }
-        self.sampled::<C>(&composed, &Bindings::new(), Some(points), seed).map_err(|_| why)
+        let (first, roots) = composed.split_at(first.len());
+        self.sampled_after::<C>(first, roots, &Bindings::new(), (Some(points), seed), start).map_err(|_| why)
     }
 
     fn sampled<const C: u64>(
@@ -318,22 +335,38 @@ impl Pool {
         points: Option<usize>,
         seed: u64,
     ) -> Result<Samples<C>, Stop> {
+        Ok(self.sampled_after(&[], roots, bindings, (points, seed), &[])?.0)
+    }
+
+    fn sampled_after<const C: u64>(
+        &self,
+        first: &[Expr],
+        roots: &[Expr],
+        bindings: &Bindings,
+        (points, seed): (Option<usize>, u64),
+        start: &[Residue<C>],
+    ) -> Result<(Samples<C>, Vec<Generated<C>>), Stop> {
         if self.is_late() {
             return Err(Undecided::TimeLimit.into());
         }
-        let Lowered { program, outputs, exact, ambiguous, conditions, extension } = lower::<C>(self, roots, bindings)?;
+        let Lowered { program, first, outputs, exact, ambiguous, conditions, extension } =
+            lower::<C>(self, first, roots, bindings)?;
         if ambiguous > MAX_AMBIGUOUS {
             return Err(Undecided::Sign.into());
         }
         let points = points.unwrap_or(if ambiguous > 0 { POINTS_PER_SIGN << ambiguous } else { POINTS });
         let mut rng = Random::new(seed);
         let mut registers = Vec::with_capacity(program.steps.len());
-        let mut values = Vec::with_capacity(points);
+        let (mut values, mut generated) = (Vec::with_capacity(points), Vec::new());
         let mut tries = points.max(1) * (TRIES << conditions.min(12));
         let mut no_root = false;
         while values.len() < points {
-            match program.run(&program.point(&mut rng), &mut registers) {
-                Ok(()) => values.push(outputs.iter().map(|&r| registers[r]).collect()),
+            let point = program.point(start, &mut rng);
+            match program.run(&point, &mut registers) {
+                Ok(()) => {
+                    values.push(outputs.iter().map(|&r| registers[r]).collect());
+                    generated.push((first.iter().map(|&r| registers[r]).collect(), point));
+                }
                 Err(fault) => {
                     no_root |= fault == Fault::NoRoot;
                     tries -= 1;
@@ -347,16 +380,20 @@ impl Pool {
                 }
             }
         }
-        Ok(Samples {
+        let samples = Samples {
             values,
             degree: program.common_degree(&outputs) * extension.max(1.0),
             ambiguous_signs: ambiguous,
             roots: conditions > 0,
             distinct: if program.generators.is_empty() { 1 } else { points.min(POINTS) },
             exact,
-        })
+        };
+        Ok((samples, generated))
     }
 }
+
+/// Values of some expressions at a point, and of all generators.
+type Generated<const C: u64> = (Vec<Residue<C>>, Vec<Residue<C>>);
 
 fn reason(stop: Stop) -> Undecided {
     match stop {

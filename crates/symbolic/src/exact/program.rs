@@ -77,11 +77,16 @@ impl<const C: u64> Program<C> {
         first
     }
 
-    /// Random values of all generators.
-    pub(super) fn point(&self, rng: &mut Random) -> Vec<Residue<C>> {
+    /// Random values of all generators but of those that have theirs.
+    pub(super) fn point(&self, start: &[Residue<C>], rng: &mut Random) -> Vec<Residue<C>> {
         let mut p = Vec::with_capacity(self.slots);
+        p.extend_from_slice(&start[..start.len().min(self.slots)]);
+        let mut slots = 0;
         for &g in &self.generators {
-            draw(g, rng, &mut p);
+            if slots >= start.len() {
+                draw(g, rng, &mut p);
+            }
+            slots += if matches!(g, Generator::Circle) { 2 } else { 1 };
         }
         p
     }
