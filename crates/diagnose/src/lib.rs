@@ -38,6 +38,7 @@ mod read;
 mod record;
 mod report;
 mod settings;
+mod signal;
 mod study;
 mod verdict;
 
@@ -53,7 +54,7 @@ pub use gain::{
 pub use library::{TIME_INPUT, candidates, dictionary, reference_candidates, separating_experiment};
 pub use numbers::{measured, p_value, probability, significant};
 pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_noise, read_record};
-pub use record::{Measured, Quantity, Record, Signal};
+pub use record::Record;
 pub use report::{
     Candidate, Caveat, Closeness, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note, OtherHold, Outcome,
     Place, RefittedParameter, Regime, Repetition, Report, Rescaling, ResidualAcceleration, Rival, ScaledColumn, Value,
@@ -65,6 +66,7 @@ pub use settings::{
     RivalSettings, SearchSettings, SelectionSettings, SignalSettings, SolverSettings, StudySettings, TimeScaleSettings,
     UnitSettings, VerdictSettings, WindowSettings,
 };
+pub use signal::{Measured, Quantity, Signal};
 pub use study::{
     Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, Window, WindowFit, WindowLength,
 };

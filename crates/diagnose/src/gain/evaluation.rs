@@ -13,8 +13,9 @@ use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::extend::equations;
 use crate::library::{Structure, TIME_INPUT};
-use crate::record::{Measured, Record, Signal};
+use crate::record::Record;
 use crate::settings::EquationSettings;
+use crate::signal::{Measured, Signal};
 use crate::study::{Estimate, lagged, stretches};
 
 /// One stretch of a record without a gap, with the equations evaluated at all of its samples.

@@ -3,7 +3,8 @@
 use bracketry_symbolic::Node;
 use bracketry_system::System;
 
-use crate::record::{Quantity, Record};
+use crate::record::Record;
+use crate::signal::Quantity;
 
 /// Where a state comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

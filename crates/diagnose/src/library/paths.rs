@@ -8,7 +8,8 @@ use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::formula::Formula;
-use crate::record::{Quantity, Record};
+use crate::record::Record;
+use crate::signal::Quantity;
 
 /// A measured column and the states that it shows.
 struct Sensor {

@@ -6,8 +6,9 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use super::names::{TIME_INPUT, derivative_name};
-use crate::record::{Measured, Quantity, Record};
+use crate::record::Record;
 use crate::settings::LibrarySettings;
+use crate::signal::{Measured, Quantity};
 
 /// Values of states, inputs and derivatives of inputs by name.
 #[derive(Clone, Debug)]

@@ -15,7 +15,8 @@ use super::origin::Origin;
 use super::roles::{Role, Roles, role};
 use super::settings::RecordSettings;
 use crate::error::DiagnoseError;
-use crate::record::{Measured, Record};
+use crate::record::Record;
+use crate::signal::Measured;
 
 /// Reads a run from a table: a column `t` in seconds, one per measured state or output, one per input, `der(X,2)` for its
 /// derivatives; other columns are ignored, and the [`Audit`] says so. A file `….npz` is a NumPy archive of one array per

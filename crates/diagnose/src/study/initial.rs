@@ -1,7 +1,8 @@
 //! First guesses of initial states, and typical sizes of the states.
 
 use super::window::Window;
-use crate::record::{Quantity, Record};
+use crate::record::Record;
+use crate::signal::Quantity;
 use bracketry_numerics::eigen::svd;
 use bracketry_system::System;
 use nalgebra::{DMatrix, DVector};

@@ -7,7 +7,8 @@ use super::trajectory::Trajectory;
 use super::window::{Window, stretches};
 use crate::effect::Path;
 use crate::error::DiagnoseError;
-use crate::record::{Quantity, Record};
+use crate::record::Record;
+use crate::signal::Quantity;
 use bracketry_sim::{Model, Outcome, SimulationSettings, Stepper};
 
 /// Why a window cannot be simulated.

@@ -3,7 +3,7 @@
 
 use super::compiled::Target;
 use super::runner::{Failure, Runner};
-use crate::record::Quantity;
+use crate::signal::Quantity;
 
 impl Runner<'_> {
     /// Makes the linear maps along the trajectory from `x0`; false where the model does not have them.
@@ -103,7 +103,8 @@ impl Runner<'_> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::record::{Measured, Quantity, Record, Signal};
+    use crate::record::Record;
+    use crate::signal::{Measured, Quantity, Signal};
     use crate::study::normal::{sensitivities, simulate};
     use crate::{Study, StudySettings};
     use bracketry_sim::Hold;

@@ -1,6 +1,6 @@
 //! What a delay and a first-order lag do to the samples of an input.
 
-use crate::record::Signal;
+use crate::signal::Signal;
 use bracketry_sim::{Hold, InputError, Samples};
 
 /// The part of an input's samples that a window needs, delayed and lagged.
