@@ -4,11 +4,16 @@ use bracketry_symbolic::{CompileError, Expr, Symbol, Tape};
 use bracketry_system::System;
 use nalgebra::{DMatrix, DVector};
 
+/// Quotient of the slopes of two equations from which on they are weighed.
+const WEIGHED: f64 = 1e6;
+
 /// f(z) = 0 for the states that shall rest, with the Jacobian and the limits of z.
 pub(crate) struct Equations {
     f: Tape,
     jacobian: Tape,
     scratch: Vec<f64>,
+    /// Factors of the equations in the iterations.
+    weights: Vec<f64>,
     /// Number of equations.
     pub(crate) rows: usize,
     /// Least and greatest value of each free variable.
@@ -28,7 +33,28 @@ impl Equations {
         let with_derivatives = System { pool, ..system.clone() };
         let f = system.compile(free, equations)?;
         let jacobian = with_derivatives.compile(free, &jacobian)?;
-        Ok(Equations { f, jacobian, scratch: Vec::new(), rows: equations.len(), limits })
+        let (rows, weights) = (equations.len(), vec![1.0; equations.len()]);
+        Ok(Equations { f, jacobian, scratch: Vec::new(), weights, rows, limits })
+    }
+
+    /// Weighs equations whose slopes at `z` differ by more than the iterations can tell from rounding.
+    pub(crate) fn weigh(&mut self, z: &DVector<f64>) {
+        let slopes: Vec<f64> = self.jacobian(z).row_iter().map(|row| row.norm()).collect();
+        let usable = |s: &f64| s.is_finite() && *s > 0.0;
+        let least = slopes.iter().copied().filter(usable).fold(f64::INFINITY, f64::min);
+        let most = slopes.iter().copied().filter(usable).fold(0.0, f64::max);
+        let weight = |s: f64| if most > WEIGHED * least && usable(&s) { 1.0 / s } else { 1.0 };
+        self.weights = slopes.into_iter().map(weight).collect();
+    }
+
+    /// f(z) and its Jacobian, with the weights.
+    pub(crate) fn weighed(&mut self, z: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let (mut f, mut j) = (self.value(z), self.jacobian(z));
+        for (i, w) in self.weights.iter().enumerate() {
+            f[i] *= w;
+            j.row_mut(i).scale_mut(*w);
+        }
+        (f, j)
     }
 
     pub(crate) fn value(&mut self, z: &DVector<f64>) -> DVector<f64> {

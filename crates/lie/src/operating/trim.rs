@@ -1,6 +1,8 @@
 //! Equilibria and operating points.
 
-use bracketry_symbolic::{Expr, Function, Pool, Rational, Symbol, Tape};
+use std::cmp::Ordering;
+
+use bracketry_symbolic::{Bindings, Expr, Function, Pool, Rational, Symbol, Tape};
 use bracketry_system::{Point, System};
 use nalgebra::DVector;
 use serde::Serialize;
@@ -167,6 +169,9 @@ pub enum TrimError {
 /// A point nearer to a solution than this, relative to its size, differs from it by rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// Distance, relative to its size, from a point within which all equations vanish at a solution.
+const CLEAR: f64 = 1e-7;
+
 /// Solutions nearer to each other than this are one.
 const SAME: f64 = 1e-5;
 
@@ -192,7 +197,7 @@ pub fn trim(system: &System, options: &TrimOptions) -> Result<Trim, TrimError> {
         }
         for start in &starts {
             let end = solve(&mut search.equations, start);
-            if end.solved {
+            if end.solved && search.is_solution(&end) {
                 if found.iter().all(|f| (&f.z - &end.z).amax() > SAME * (1.0 + end.z.amax())) {
                     found.push(end);
                 }
@@ -330,6 +335,33 @@ impl<'a> Search<'a> {
         let is_exact = exact.is_some();
         let (states, inputs) = self.described(&values, exact.as_deref());
         Trim { status, states, inputs, derivatives, residual: chosen.residual, exact: is_exact, notes, others }
+    }
+
+    /// Whether all equations vanish there: each changes its sign within a short step along its gradient, or vanishes exactly, as at
+    /// a multiple solution. What only tends to 0, as e^−x does, has one sign.
+    fn is_solution(&mut self, found: &Found) -> bool {
+        let slopes = self.equations.jacobian(&found.z);
+        let length = CLEAR * (1.0 + found.z.norm());
+        let vanish = (0..self.equations.rows).all(|i| {
+            let gradient = slopes.row(i).transpose();
+            let step = &gradient * (length / gradient.norm().max(f64::MIN_POSITIVE));
+            match [&found.z - &step, found.z.clone(), &found.z + &step].map(|z| self.sign(i, &z)) {
+                [_, Some(Ordering::Equal), _] => true,
+                [Some(before), _, Some(after)] => before != after,
+                _ => !found.unclear.contains(&i),
+            }
+        });
+        vanish || self.confirmed(found, 1e-3).is_some()
+    }
+
+    /// The sign of an equation; `None` where it is not known.
+    fn sign(&mut self, equation: usize, z: &DVector<f64>) -> Option<Ordering> {
+        let mut values = Bindings::new();
+        for (&s, &z) in self.free.iter().zip(z.iter()) {
+            values.bind(s, Rational::try_from(z).ok()?);
+        }
+        let (pool, equations) = &mut self.exact;
+        pool.constant_sign(equations[equation], &values)
     }
 
     /// Exact values of all variables, in the pool of `exact`.

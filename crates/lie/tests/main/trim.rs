@@ -120,3 +120,36 @@ fn known_equilibria_are_found() {
         }
     }
 }
+
+/// Where the derivatives only tend to zero there is no equilibrium; where they vanish slowly or steeply there is one.
+#[test]
+fn points_at_infinity_are_no_equilibria() {
+    for factor in ["1", "1/1000", "2000"] {
+        for rate in
+            ["exp(-x)", "exp(x)", "1/x", "1/(1 + x^2)", "tanh(x) - 1", "atan(x) - pi/2", "exp(-x^2)*(2 + sin(x))"]
+        {
+            let model = format!("states = ['x']\ndynamics = {{ x = '({factor})*({rate})' }}\n[point]\nx = 1\n");
+            let t = searched(&model, &[], &[], &[]);
+            assert_eq!(t.status, TrimStatus::NotFound, "({factor})*({rate}): {t:?}");
+        }
+        for (rate, root) in [
+            ("(x - 3)^3", 3.0),
+            ("x^2 - 6*x + 9", 3.0),
+            ("max(x - 3, 0)", f64::NAN),
+            ("exp(-x) - 1/1000", 1000f64.ln()),
+            ("tanh(x) - 9/10", 0.9f64.atanh()),
+            ("x/(1 + x^4)", 0.0),
+        ] {
+            let model = format!("states = ['x']\ndynamics = {{ x = '({factor})*({rate})' }}\n[point]\nx = 1\n");
+            let t = searched(&model, &[], &[], &[]);
+            assert_eq!(t.status, TrimStatus::Found, "({factor})*({rate}): {t:?}");
+            let (x, others) = (t.states[0].value, t.others.iter().map(|o| o[0]));
+            let near = |x: f64| root.is_nan() || (x - root).abs() < 1e-4;
+            assert!(near(x) || others.into_iter().any(near), "({factor})*({rate}): {t:?}");
+        }
+    }
+    let scaled = "states = ['x', 'y']\ndynamics = { x = '1e8*(x - 3)', y = '1e-8*(y - 7)' }\n";
+    let t = searched(scaled, &[], &[], &[]);
+    assert_eq!((t.status, t.exact), (TrimStatus::Found, true), "{t:?}");
+    assert_eq!((exact(&t, "x").as_str(), exact(&t, "y").as_str()), ("3", "7"));
+}
