@@ -94,7 +94,7 @@ impl Run {
 fn read(mut columns: BTreeMap<String, Vec<f64>>, hold: Option<Hold>) -> Result<Record, DiagnoseError> {
     let times = columns.remove("t").unwrap();
     let settings = RecordSettings { hold, ..RecordSettings::default() };
-    Ok(Record::from_columns("run.csv", times, columns, &spring(), &settings)?)
+    Record::from_columns("run.csv", times, columns, &spring(), &settings)
 }
 
 /// A run with one column times a factor.

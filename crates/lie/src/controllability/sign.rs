@@ -132,9 +132,8 @@ impl NearOrigin<'_> {
                 Some(Ordering::Greater) => return Sign::Positive,
                 Some(Ordering::Less) => return Sign::Negative,
                 Some(Ordering::Equal) if here == e => return Sign::Zero,
-                Some(Ordering::Equal) => {}
                 None if self.frame.numbers(pool, &[here]).is_none() => return Sign::Unknown,
-                None => {}
+                Some(Ordering::Equal) | None => {}
             }
         }
         let seen = match pool.node(e) {

@@ -63,7 +63,7 @@ impl Default for QpSettings {
 impl QpSettings {
     /// Whether the settings are within their ranges.
     pub(super) fn check(&self) -> Result<(), MpcError> {
-        let valid = self.tolerance > 0.0 && self.tolerance < 1.0 && self.time_limit > 0.0 && self.max_iterations > 0;
+        let valid = self.tolerance > 0.0 && self.tolerance < 1.0 && self.time_limit > 0.0;
         if valid { Ok(()) } else { Err(self.out_of_range()) }
     }
 
@@ -72,7 +72,7 @@ impl QpSettings {
         MpcError::Value {
             what: "the tolerance of the quadratic program".into(),
             value: self.tolerance,
-            remedy: "give a tolerance between 0 and 1, a positive time limit, and a positive number of iterations",
+            remedy: "give a tolerance between 0 and 1, and a positive time limit",
         }
     }
 }

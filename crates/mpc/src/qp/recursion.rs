@@ -159,7 +159,9 @@ impl Recursion {
         to.copy_from_slice(&self.slopes[j][shape.inputs..]);
         let cost = &factor[shape.inputs * shape.stride() + shape.inputs..];
         add_symmetric_times(to, cost, shape.stride(), &w[shape.inputs..]);
-        to.iter_mut().for_each(|y| *y = -*y);
+        for y in to {
+            *y = -*y;
+        }
     }
 }
 

@@ -197,7 +197,6 @@ impl Interval {
                 low: self.high.clone().with_rounding::<Down>().acos(),
                 high: self.low.clone().with_rounding::<Up>().acos(),
             },
-            Func::Asin | Func::Acos => return None,
             Func::Atan => Self { low: self.low.atan(), high: self.high.atan() },
             Func::Exp => self.exponential()?,
             Func::Log => self.logarithm()?,
@@ -214,7 +213,7 @@ impl Interval {
             Func::Abs if self.high <= High::ZERO => self.negative(),
             Func::Sign if self.low > Low::ZERO => Self::of(&RBig::ONE, bits),
             Func::Sign if self.high < High::ZERO => Self::of(&RBig::NEG_ONE, bits),
-            Func::Abs | Func::Sign => return None,
+            Func::Asin | Func::Acos | Func::Abs | Func::Sign => return None,
         })
     }
 
