@@ -4,7 +4,7 @@ use bracketry_symbolic::{Certificate, Samples, Undecided};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use crate::residues::{Fp, PRIME};
+use crate::residues::{Fp, OFFSET};
 
 /// The decisions of an analysis, with the probability that any of them is wrong.
 ///
@@ -61,7 +61,7 @@ impl Evidence {
     ///
     /// # Errors
     /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
-    pub(crate) fn add_rank(&mut self, samples: &Samples<PRIME>, rank: usize) -> Result<(), Undecided> {
+    pub(crate) fn add_rank(&mut self, samples: &Samples<OFFSET>, rank: usize) -> Result<(), Undecided> {
         if samples.ambiguous_signs > 0 {
             return Err(Undecided::Sign);
         }
@@ -96,7 +96,7 @@ impl Evidence {
     /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
     pub(crate) fn add_memberships(
         &mut self,
-        samples: &Samples<PRIME>,
+        samples: &Samples<OFFSET>,
         rank: usize,
         count: usize,
     ) -> Result<(), Undecided> {
@@ -113,7 +113,7 @@ impl Evidence {
     ///
     /// # Errors
     /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
-    pub(crate) fn add_equalities(&mut self, samples: &Samples<PRIME>, count: usize) -> Result<(), Undecided> {
+    pub(crate) fn add_equalities(&mut self, samples: &Samples<OFFSET>, count: usize) -> Result<(), Undecided> {
         if samples.ambiguous_signs > 0 {
             return Err(Undecided::Sign);
         }
@@ -156,7 +156,7 @@ impl Serialize for Evidence {
         let mut s = serializer.serialize_struct("Evidence", 3 + usize::from(decided))?;
         s.serialize_field("prime", "2^61-1")?;
         // Of values at a point and of what the first lacks the roots for.
-        s.serialize_field("second_prime", &format!("2^61-{PRIME}"))?;
+        s.serialize_field("second_prime", &format!("2^61-{OFFSET}"))?;
         s.serialize_field("points", &self.points)?;
         if decided {
             s.serialize_field("error_probability", &self.error_text())?;

@@ -1,11 +1,11 @@
 //! The prime field of sampled ranks.
 
-use bracketry_symbolic::{Residue, SECOND_PRIME};
+use bracketry_symbolic::{Residue, SECOND_OFFSET};
 
-/// Modulo this prime the values at a point such as π/3 exist too: it holds √2 … √53, √9.81, and the sines of π/1800.
-pub(crate) const PRIME: u64 = SECOND_PRIME;
-/// An integer modulo 2^61 − [`PRIME`].
-pub(crate) type Fp = Residue<PRIME>;
+/// The prime is 2^61 less this: modulo it, the values at a point such as π/3 exist too, √2 … √53, √9.81, and the sines of π/1800.
+pub(crate) const OFFSET: u64 = SECOND_OFFSET;
+/// An integer modulo 2^61 − [`OFFSET`].
+pub(crate) type Fp = Residue<OFFSET>;
 /// Reduced row echelon form over this field.
 pub(crate) type Echelon = bracketry_symbolic::Echelon<Fp>;
 

@@ -1,6 +1,6 @@
 //! Eigenvalues and singular values, with a bound on the iterations: without one, those of nalgebra do not end on every matrix.
 
-use crate::jacobi::tall_svd;
+use crate::singular_values::tall_svd;
 use nalgebra::{DMatrix, Dyn, SVD, Schur, SymmetricEigen};
 
 /// Iterations of the QR algorithm for each row; it commonly takes two or three.

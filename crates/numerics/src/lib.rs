@@ -13,10 +13,10 @@ pub mod collocation;
 #[cfg(feature = "dense")]
 pub mod dense;
 pub mod eigen;
-pub mod equations;
-mod jacobi;
 pub mod least_squares;
+pub mod matrix_equations;
 #[cfg(feature = "dense")]
 pub mod rows;
+mod singular_values;
 pub mod spline;
 pub mod statistics;

@@ -1,4 +1,4 @@
-//! Constant, elastic, periodic and missing forces.
+//! Constant, elastic, and periodic forces, and play.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Inertial forces of moving frames, and a tracked point off the center of mass.
+//! Inertial forces of moving frames.
 
 use bracketry_symbolic::Expr;
 

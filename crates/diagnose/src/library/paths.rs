@@ -1,4 +1,4 @@
-//! Effects in signal paths: gains, delays, lags, offsets.
+//! Effects in signal paths: gains, delays, lags, offsets, and a tracked point off the center of mass.
 
 use bracketry_numerics::statistics::{median, rms, steps};
 use bracketry_symbolic::{Fence, Joint, Notation, Relation};

@@ -9,7 +9,7 @@ use crate::algebra::integrals::search::{name_constants, parameter_values};
 use crate::algebra::span::independent;
 use crate::evidence::Evidence;
 use crate::residues::unit_row;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// Seed and spare points of the samples that coefficients are solved from.
@@ -49,7 +49,7 @@ pub(crate) fn annihilator(
     let named = name_constants(pool, &flat, variables);
     let back: FxHashMap<Expr, Expr> = named.iter().map(|(&e, &s)| (s, e)).collect();
     let flat = pool.substitute_all(&flat, &named);
-    let sample = pool.sample_in::<PRIME>(&flat, bindings, 1, SEED)?;
+    let sample = pool.sample_in::<OFFSET>(&flat, bindings, 1, SEED)?;
     if sample.ambiguous_signs > 0 {
         return Err(bracketry_symbolic::Undecided::Sign.into());
     }
@@ -232,7 +232,7 @@ impl Search {
         if self.done() || k > MAX_MINOR || pool.reachable(&flat).len() > MAX_MINOR_NODES {
             return Ok(());
         }
-        let sample = pool.sample_in::<PRIME>(&flat, &self.bindings, 1, SEED ^ 1)?;
+        let sample = pool.sample_in::<OFFSET>(&flat, &self.bindings, 1, SEED ^ 1)?;
         let rows: Vec<Vec<Fp>> = sample.values[0].chunks(n).map(<[Fp]>::to_vec).collect();
         let free: Vec<usize> = {
             let null = Echelon::new(&rows, n).null_space();
@@ -304,7 +304,7 @@ fn combinations(
 ) -> Result<Vec<Vec<Fp>>, Undecided> {
     let mut roots = atoms.to_vec();
     roots.extend(forms.concat());
-    let samples = pool.sample_in::<PRIME>(&roots, bindings, columns.len() + IDLE_POINTS, SEED)?;
+    let samples = pool.sample_in::<OFFSET>(&roots, bindings, columns.len() + IDLE_POINTS, SEED)?;
     let width = forms.first().map_or(1, Vec::len);
     let mut echelon = Echelon::empty(columns.len());
     let mut idle = 0;
@@ -369,7 +369,7 @@ impl AtValues<'_> {
         for (&s, &v) in self.symbols.iter().zip(values) {
             bindings.bind(s, Rational::from(v));
         }
-        let samples = self.pool.sample_in::<PRIME>(self.flat, &bindings, 1, SEED).ok()?;
+        let samples = self.pool.sample_in::<OFFSET>(self.flat, &bindings, 1, SEED).ok()?;
         let rows: Vec<Vec<Fp>> = samples.values.first()?.chunks(self.width).map(<[Fp]>::to_vec).collect();
         Some(Echelon::new(&rows, self.width).null_space())
     }

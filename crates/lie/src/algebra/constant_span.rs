@@ -6,7 +6,7 @@ use bracketry_symbolic::{Bindings, Pool};
 
 use crate::algebra::field::{Field, is_plain_zero};
 use crate::evidence::Evidence;
-use crate::residues::{Echelon, PRIME};
+use crate::residues::{Echelon, OFFSET};
 use crate::undecided::Undecided;
 
 /// Seed of the samples that decide linear dependence over the constants.
@@ -48,7 +48,7 @@ impl Words {
             let certain = all.len() + 1;
             // Independence at fewer points is independence; only dependence needs them all.
             for points in [(all.len() / n + 2).min(certain), certain] {
-                let samples = pool.sample_in::<PRIME>(&all.concat(), bindings, points, CONSTANTS_SEED)?;
+                let samples = pool.sample_in::<OFFSET>(&all.concat(), bindings, points, CONSTANTS_SEED)?;
                 let mut echelon = Echelon::empty(points * n);
                 let row = |i: usize| samples.values.iter().flat_map(move |v| v[i * n..(i + 1) * n].iter().copied());
                 let independent: Vec<bool> = (0..all.len()).map(|i| echelon.insert(row(i).collect())).collect();

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 use crate::algebra::field::Field;
 use crate::evidence::Evidence;
-use crate::residues::{Fp, PRIME};
+use crate::residues::{Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// Seed and number of the points at which sub-expressions are compared.
@@ -32,7 +32,7 @@ pub(crate) fn merge_equal(
     if nodes.len() < WORTHWHILE {
         return Ok(fields.to_vec());
     }
-    let samples = pool.sample_in::<PRIME>(&nodes, bindings, POINTS, SEED)?;
+    let samples = pool.sample_in::<OFFSET>(&nodes, bindings, POINTS, SEED)?;
     evidence.add_equalities(&samples, nodes.len())?;
     let mut image: FxHashMap<Expr, Expr> = FxHashMap::default();
     let mut first: FxHashMap<[Fp; POINTS], Expr> = FxHashMap::default();

@@ -5,7 +5,7 @@ use bracketry_symbolic::{Bindings, Pool};
 use crate::algebra::field::Field;
 use crate::algebra::word::Word;
 use crate::evidence::Evidence;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 
 /// Seed and number of the points that are tried.
 const SEED: u64 = 0x6272_6163_6b65_7406;
@@ -45,7 +45,7 @@ impl History {
         let fields = || self.generators.iter().chain(&self.simplified).chain(brackets());
         evidence.allow_elimination(fields().count(), n).ok()?;
         let roots: Vec<_> = fields().flatten().copied().collect();
-        let samples = pool.sample_in::<PRIME>(&roots, bindings, POINTS, SEED).ok()?;
+        let samples = pool.sample_in::<OFFSET>(&roots, bindings, POINTS, SEED).ok()?;
         if samples.ambiguous_signs > 0 {
             return None;
         }

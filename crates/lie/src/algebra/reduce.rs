@@ -4,7 +4,7 @@ use bracketry_symbolic::{Bindings, Expr, Pool};
 
 use crate::algebra::field::Field;
 use crate::evidence::Evidence;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 
 /// Seed and number of the points at which unit fields are looked for.
 const SEED: u64 = 0x6272_6163_6b65_7405;
@@ -54,7 +54,7 @@ fn simpler(
 ) -> Option<Reduced> {
     let n = all.first()?.len();
     evidence.allow_elimination(all.len(), n).ok()?;
-    let samples = pool.sample_in::<PRIME>(&all.concat(), bindings, POINTS, SEED).ok()?;
+    let samples = pool.sample_in::<OFFSET>(&all.concat(), bindings, POINTS, SEED).ok()?;
     if samples.ambiguous_signs > 0 {
         return None;
     }

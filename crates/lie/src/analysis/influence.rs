@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::algebra::closure::Closure;
 use crate::modes::Signs;
-use crate::residues::{Echelon, Fp, PRIME, times, unit_row};
+use crate::residues::{Echelon, Fp, OFFSET, times, unit_row};
 
 /// What the inputs do to a function of the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -65,7 +65,7 @@ pub(crate) fn influence(
     let functions: Vec<Expr> =
         functions.iter().copied().filter(|&e| !matches!(pool.node(e), Node::Sym(s) if states.contains(&s))).collect();
     let gradients: Vec<Expr> = functions.iter().flat_map(|&e| pool.gradient(e, states)).collect();
-    let samples = pool.sample_in::<PRIME>(&[strong.basis.concat(), gradients].concat(), bindings, 1, SEED).ok()?;
+    let samples = pool.sample_in::<OFFSET>(&[strong.basis.concat(), gradients].concat(), bindings, 1, SEED).ok()?;
     if samples.ambiguous_signs > 0 {
         return None;
     }

@@ -12,7 +12,7 @@ use crate::controllability::meeting::{Adjacent, AtSwitchPoint, change, input_set
 use crate::controllability::sign::{Extent, NearOrigin, Sign};
 use crate::evidence::Evidence;
 use crate::reason::StlcReason;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// A linear function, or an integral of all input fields, that can change to one side only in each of these modes, those that
@@ -214,7 +214,7 @@ fn covectors(pool: &mut Pool, modes: &[Adjacent], evidence: &mut Evidence) -> Re
     if controls.is_empty() {
         return Ok(all);
     }
-    let samples = pool.sample_in::<PRIME>(&controls, &first.fields.bindings, n + 1, SEED)?;
+    let samples = pool.sample_in::<OFFSET>(&controls, &first.fields.bindings, n + 1, SEED)?;
     evidence.add_rank(&samples, n)?;
     let rows: Vec<Vec<Fp>> = samples.values.iter().flat_map(|v| v.chunks(n).map(<[Fp]>::to_vec)).collect();
     for covector in Echelon::new(&rows, n).null_space() {

@@ -1,4 +1,4 @@
-//! The conditions for small-time local controllability with free inputs, in their order.
+//! Decides small-time local controllability with free inputs: the conditions in their order.
 
 use bracketry_symbolic::Pool;
 
@@ -28,14 +28,14 @@ const FEW_NODES: usize = 5_000;
 /// - not an equilibrium and f(x0) outside span g(x0): no (bounded inputs cannot hold the state);
 /// - dimension at x0 not full: no (the orbit is a lower-dimensional manifold, Nagano–Sussmann);
 /// - controllable linearization: yes;
-/// - no drift and full dimension: yes (Chow–Rashevskii);
 /// - an invariant half-space: no (see [`half_space`]);
-/// - f odd and the inputs' fields even about the point: yes (see [`is_odd`]);
+/// - no drift and full dimension: yes (Chow–Rashevskii);
 /// - Sussmann's general condition, also after a change of the inputs: yes;
+/// - f odd and the inputs' fields even about the point: yes (see [`is_odd`]);
 /// - one input: no where Stefani's necessary condition fails (see [`stefani`]);
 /// - a definite second-order form: no (see [`definite_form`]);
-/// - a function that does not fall near the point: no (see [`monotone_function`]);
-/// - integrators in front of inputs bring forms of different depths to one weight: yes (see [`with_integrators`]).
+/// - integrators in front of inputs bring forms of different depths to one weight: yes (see [`with_integrators`]);
+/// - a function that does not fall near the point: no (see [`monotone_function`]).
 ///
 /// [`Stlc::or_inconclusive`] turns what an exact test leaves open into a verdict.
 pub(crate) fn decide(

@@ -7,7 +7,7 @@ use crate::controllability::occurrence::{Edge, Occurrence};
 use crate::controllability::surface::Surface;
 use crate::evidence::Evidence;
 use crate::modes::ModeFields;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// A continuous function of the state with one piece in each mode.
@@ -125,7 +125,7 @@ impl<'a> Conditions<'a> {
         for &k in possible {
             let drift = &modes[k].fields.drift;
             let rates: Vec<Expr> = lists[k].iter().map(|&phi| pool.lie_derivative(phi, &states, drift)).collect();
-            let samples = pool.sample_in::<PRIME>(&rates, &bindings, unknowns + SPARE, SEED)?;
+            let samples = pool.sample_in::<OFFSET>(&rates, &bindings, unknowns + SPARE, SEED)?;
             evidence.add_rank(&samples, unknowns)?;
             for values in &samples.values {
                 let mut row = vec![Fp::ZERO; unknowns];
@@ -141,7 +141,7 @@ impl<'a> Conditions<'a> {
             let [a, b] = edge.modes;
             let both = [lists[a].clone(), lists[b].clone()].concat();
             let on_surface = surface.restrict(pool, &both);
-            let samples = pool.sample_in::<PRIME>(&on_surface, &bindings, unknowns + SPARE, SEED)?;
+            let samples = pool.sample_in::<OFFSET>(&on_surface, &bindings, unknowns + SPARE, SEED)?;
             evidence.add_rank(&samples, unknowns)?;
             for values in &samples.values {
                 let mut row = vec![Fp::ZERO; unknowns];

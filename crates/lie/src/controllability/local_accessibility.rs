@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::options::Limits;
 use crate::reason::{BracketLimit, Reason};
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// Dimensions at a point.
@@ -41,7 +41,7 @@ pub(crate) struct Frame {
     replaced: FxHashMap<Expr, Expr>,
     /// The point, as expressions, and modulo the prime.
     point: Vec<Expr>,
-    evaluation: RefCell<Evaluation<PRIME>>,
+    evaluation: RefCell<Evaluation<OFFSET>>,
     /// f and the g_i without the inputs at the point: the generators that words are made of.
     generators: Vec<Field>,
 }

@@ -19,7 +19,7 @@ use crate::evidence::Evidence;
 use crate::options::Limits;
 use crate::reason::{Monotone, StlcReason};
 use crate::residues::times;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 use bracketry_numerics::eigen::symmetric_eigen;
 
@@ -200,7 +200,7 @@ fn covectors(
         return Ok(all);
     }
     let samples =
-        pool.sample_in::<PRIME>(&frame.fields.controls.concat(), &frame.fields.bindings, n + 1, COVECTOR_SEED)?;
+        pool.sample_in::<OFFSET>(&frame.fields.controls.concat(), &frame.fields.bindings, n + 1, COVECTOR_SEED)?;
     let rows: Vec<Vec<Fp>> = samples.values.iter().flat_map(|v| v.chunks(n).map(<[Fp]>::to_vec)).collect();
     evidence.add_rank(&samples, n)?;
     for covector in Echelon::new(&rows, n).null_space() {

@@ -1,4 +1,4 @@
-//! Small-time local controllability at an equilibrium: sufficient and necessary conditions.
+//! The verdict on small-time local controllability at an equilibrium, as data; `decide.rs` has the conditions.
 
 use std::fmt;
 

@@ -9,7 +9,7 @@ use crate::algebra::word::{Bracket, Word, generators};
 use crate::controllability::local_accessibility::Frame;
 use crate::evidence::Evidence;
 use crate::options::Limits;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// A right-normed bracket [w_0, [w_1, … ]]; letter 0 is f, letter i is g_i.
@@ -143,7 +143,7 @@ impl<'a> Brackets<'a> {
         if !formed.is_empty() {
             let fields: Vec<Field> = formed.iter().map(|e| e.2.clone()).collect();
             let n = fields[0].len();
-            let samples = pool.sample_in::<PRIME>(&fields.concat(), &self.frame.fields.bindings, 1, ZERO_SEED)?;
+            let samples = pool.sample_in::<OFFSET>(&fields.concat(), &self.frame.fields.bindings, 1, ZERO_SEED)?;
             evidence.add_equalities(&samples, formed.len())?;
             let mut nonzero = samples.values[0].chunks(n).map(|v| v.iter().any(|x| *x != Fp::ZERO));
             formed.retain(|_| nonzero.next().unwrap_or(true));

@@ -8,7 +8,7 @@ use crate::algebra::span::independent;
 use crate::budget::check_growth;
 use crate::evidence::Evidence;
 use crate::residues::unit_row;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// Points and seed of the samples at which it is read off what a codistribution determines.
@@ -104,7 +104,7 @@ impl Observability {
         if self.codistribution.is_empty() {
             return Ok(Some(vec![Echelon::empty(self.variables.len())]));
         }
-        let Ok(samples) = pool.sample_in::<PRIME>(&self.codistribution.concat(), &self.bindings, POINTS, SEED) else {
+        let Ok(samples) = pool.sample_in::<OFFSET>(&self.codistribution.concat(), &self.bindings, POINTS, SEED) else {
             return Ok(None);
         };
         if samples.ambiguous_signs > 0 {

@@ -8,7 +8,7 @@
 //!
 //! A rank modulo a prime is never too large. Where it is not full, a second prime has to give the same answers.
 
-use bracketry_symbolic::{Bindings, Echelon, Expr, Pool, Rational, Residue, SECOND_PRIME, Symbol, THIRD_PRIME};
+use bracketry_symbolic::{Bindings, Echelon, Expr, Pool, Rational, Residue, SECOND_OFFSET, Symbol, THIRD_OFFSET};
 
 use crate::algebra::field::{Field, VectorFields};
 use crate::evidence::Evidence;
@@ -89,7 +89,7 @@ impl Asked<'_> {
         let variables: Vec<Symbol> = states.chain(self.unknown).copied().collect();
         let program = SeriesProgram::compile(pool, self.fields, self.outputs, self.functions, &variables)?;
         let first = variables.len() - self.unknown.len();
-        let moduli = [verdict::<1>, verdict::<SECOND_PRIME>, verdict::<THIRD_PRIME>];
+        let moduli = [verdict::<1>, verdict::<SECOND_OFFSET>, verdict::<THIRD_OFFSET>];
         let mut found: Vec<Verdict> = Vec::new();
         let mut refused = None;
         let mut agreed = None;
@@ -194,10 +194,10 @@ fn symmetries(
     if m == 0 || m > MAX_MOVING {
         return Ok(Vec::new());
     }
-    let mut equations: Echelon<Residue<SECOND_PRIME>> = Echelon::empty(2 * m);
+    let mut equations: Echelon<Residue<SECOND_OFFSET>> = Echelon::empty(2 * m);
     let (mut idle, mut last) = (0, None);
     for seed in 1..=MAX_POINTS {
-        let here = at::<SECOND_PRIME>(pool, program, SEED ^ seed)?;
+        let here = at::<SECOND_OFFSET>(pool, program, SEED ^ seed)?;
         if here.span.rank() != verdict.rank {
             continue;
         }
@@ -212,7 +212,7 @@ fn symmetries(
         }
     }
     let Some(last) = last.filter(|_| idle == IDLE_POINTS) else { return Ok(Vec::new()) };
-    let rational = |v: Vec<Residue<SECOND_PRIME>>| {
+    let rational = |v: Vec<Residue<SECOND_OFFSET>>| {
         let constants = v.iter().map(|c| c.to_rational(BOUND)).collect::<Option<Vec<Rational>>>()?;
         Some((v, constants))
     };
@@ -220,7 +220,7 @@ fn symmetries(
     let holds = match hold::<1>(pool, program, &moving, &candidates) {
         // This field lacks a root that is needed.
         Err(Undecided::Exact(why)) if why.needs_other_prime() => {
-            hold::<THIRD_PRIME>(pool, program, &moving, &candidates)?
+            hold::<THIRD_OFFSET>(pool, program, &moving, &candidates)?
         }
         other => other?,
     };
@@ -258,7 +258,7 @@ fn hold<const C: u64>(
     pool: &mut Pool,
     program: &SeriesProgram,
     moving: &[usize],
-    candidates: &[(Vec<Residue<SECOND_PRIME>>, Vec<Rational>)],
+    candidates: &[(Vec<Residue<SECOND_OFFSET>>, Vec<Rational>)],
 ) -> Result<Vec<bool>, Undecided> {
     let here = at::<C>(pool, program, SEED ^ (MAX_POINTS + 1))?;
     Ok(candidates.iter().map(|(_, constants)| vanishes(&here, moving, constants)).collect())

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use crate::operating::linear_model::rows;
-use bracketry_numerics::equations::{lyapunov, riccati};
+use bracketry_numerics::matrix_equations::{lyapunov, riccati};
 
 /// Why there is no gain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, thiserror::Error)]

@@ -2,10 +2,10 @@
 
 use crate::common::{elementary, system};
 use bracketry_lie::{AnalysisOptions, Answer, Evidence, analyze_affine, observe};
-use bracketry_symbolic::{Residue, SECOND_PRIME, THIRD_PRIME};
+use bracketry_symbolic::{Residue, SECOND_OFFSET, THIRD_OFFSET};
 use proptest::prelude::*;
 
-const PRIMES: [u64; 3] = [Residue::<1>::MODULUS, Residue::<SECOND_PRIME>::MODULUS, Residue::<THIRD_PRIME>::MODULUS];
+const PRIMES: [u64; 3] = [Residue::<1>::MODULUS, Residue::<SECOND_OFFSET>::MODULUS, Residue::<THIRD_OFFSET>::MODULUS];
 
 fn coefficient(prime: usize, form: usize) -> String {
     let forms = ["@", "@/2", "2*@/3", "1/@", "@ + 1", "5 - @", "@^2"];

@@ -7,8 +7,9 @@ use crate::integrator::{Integrator, Interval};
 use crate::ocp::{CostPoint, Ocp, Substeps};
 use crate::problem::{Note, ProblemError};
 use crate::transcription::Shooter;
+use bracketry_numerics::eigen;
 use bracketry_system::Table;
-use nalgebra::{Complex, DMatrix, Schur};
+use nalgebra::{Complex, DMatrix};
 
 /// Product of step and fastest rate of the dynamics up to which a trial run takes one step.
 const RESOLVED: f64 = 1.0;
@@ -233,9 +234,6 @@ fn eigenvalues(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[f64]) ->
             jacobian[(i, j)] = v;
         }
     }
-    if entries.iter().any(|v| !v.is_finite()) {
-        return Vec::new();
-    }
-    let schur = Schur::try_new(jacobian, f64::EPSILON, 100 * n.max(1));
-    schur.map_or(Vec::new(), |s| s.complex_eigenvalues().iter().copied().collect())
+    let found = eigen::eigenvalues(&jacobian).unwrap_or_default();
+    found.into_iter().map(|(re, im)| Complex::new(re, im)).collect()
 }

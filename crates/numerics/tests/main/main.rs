@@ -5,8 +5,8 @@ mod collocation;
 #[cfg(feature = "dense")]
 mod dense;
 mod eigen;
-mod equations;
 mod least_squares;
+mod matrix_equations;
 #[cfg(feature = "dense")]
 mod rows;
 mod splines;

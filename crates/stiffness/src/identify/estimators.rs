@@ -1,6 +1,6 @@
 //! The estimators of a Cartesian compliance, in scaled coordinates.
 
-use super::levenberg_marquardt::minimize;
+use super::minimum::minimize;
 use super::scaled::Row;
 use bracketry_numerics::eigen::{pseudo_inverse, svd};
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector, Vector6};

@@ -1,8 +1,8 @@
 //! Joint springs from measurements over many poses.
 
 use super::error::{IdentificationError, Place};
-use super::levenberg_marquardt::{Minimum, minimize};
 use super::measurement::{Measurement, MeasurementNoise, MeasurementSet};
+use super::minimum::{Minimum, minimize};
 use super::outliers::{Outliers, consensus};
 use super::parameters::{links_alone, logarithms, parameters, springs_at};
 use super::spring_parameter::{Identified, SpringParameter};

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::echelon::combination_modulo;
-use super::field::{Residue, THIRD_PRIME};
+use super::field::{Residue, THIRD_OFFSET};
 
 /// Homomorphism from the field's multiplicative group to the integers modulo a prime ℓ that divides p − 1.
 pub(super) struct Character<const C: u64> {
@@ -22,7 +22,7 @@ impl<const C: u64> Character<C> {
     pub(super) fn new() -> Self {
         let order: u64 = match C {
             1 => 1321,
-            THIRD_PRIME => 7351,
+            THIRD_OFFSET => 7351,
             _ => 2311,
         };
         let exponent = (Residue::<C>::MODULUS - 1) / order;
@@ -42,9 +42,9 @@ impl<const C: u64> Character<C> {
     ///
     /// `Ok(None)` if it is independent of them; `Err(())` if the columns themselves are dependent.
     pub(super) fn combination(&self, columns: &[Vec<u64>], target: &[u64]) -> Result<Option<Vec<u64>>, ()> {
-        match C {
-            1 => combination_modulo::<1321>(columns, target),
-            THIRD_PRIME => combination_modulo::<7351>(columns, target),
+        match self.order {
+            1321 => combination_modulo::<1321>(columns, target),
+            7351 => combination_modulo::<7351>(columns, target),
             _ => combination_modulo::<2311>(columns, target),
         }
     }

@@ -1,7 +1,7 @@
 //! Sines and cosines: points on the unit circle over the field, one generator per base angle.
 
 use super::echelon::combination;
-use super::field::{Residue, THIRD_PRIME, gcd};
+use super::field::{Residue, THIRD_OFFSET, gcd};
 use super::kernels::Angle;
 use super::lowering::{FRACTION_BOUND, Lowering, Stop};
 use super::program::{Generator, Reg, Step};
@@ -226,7 +226,7 @@ fn power<const C: u64>(mut p: Point<C>, mut k: u64) -> Point<C> {
 fn parts_of_pi<const C: u64>() -> u64 {
     match C {
         1 => 1024,
-        THIRD_PRIME => 4320,
+        THIRD_OFFSET => 4320,
         _ => 1800,
     }
 }
@@ -260,7 +260,7 @@ fn unit_angle<const C: u64>() -> Option<Point<C>> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::field::SECOND_PRIME;
+    use super::super::field::SECOND_OFFSET;
     use super::*;
 
     /// The point of order 2D divides the circle, and gives the roots that the field chooses.
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn all_fields_hold_parts_of_pi() {
         divides_the_circle::<1>();
-        divides_the_circle::<SECOND_PRIME>();
-        divides_the_circle::<THIRD_PRIME>();
+        divides_the_circle::<SECOND_OFFSET>();
+        divides_the_circle::<THIRD_OFFSET>();
     }
 }

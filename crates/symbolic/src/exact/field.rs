@@ -17,14 +17,14 @@ pub struct Residue<const C: u64>(u64);
 /// An integer modulo the Mersenne prime 2^61 − 1.
 pub type Fp = Residue<1>;
 
-/// [`Residue<SECOND_PRIME>`] are the integers modulo 2^61 − 488019153, for expressions with roots: 2 … 53 and 109 (of
+/// [`Residue<SECOND_OFFSET>`] are the integers modulo 2^61 − 488019153, for expressions with roots: 2 … 53 and 109 (of
 /// 9.81) are squares modulo it, cube, fifth, seventh, 11th and 13th roots are unique, and it holds the sines and cosines
 /// of π/1800.
-pub const SECOND_PRIME: u64 = 488_019_153;
+pub const SECOND_OFFSET: u64 = 488_019_153;
 
-/// [`Residue<THIRD_PRIME>`] are the integers modulo 2^61 − 615950913, for what one of the other two fields lacks: it
+/// [`Residue<THIRD_OFFSET>`] are the integers modulo 2^61 − 615950913, for what one of the other two fields lacks: it
 /// has the same small roots as the second, that of 28019 (of 9.80665), and the sines and cosines of π/4320.
-pub const THIRD_PRIME: u64 = 615_950_913;
+pub const THIRD_OFFSET: u64 = 615_950_913;
 
 /// Constants with fewer bits above and below the line are never mistaken for another fraction.
 const HARMLESS_BITS: usize = 39;
@@ -282,14 +282,14 @@ mod tests {
     #[test]
     fn all_primes_give_fields_in_which_minus_one_is_no_square() {
         field_laws::<1>();
-        field_laws::<SECOND_PRIME>();
-        field_laws::<THIRD_PRIME>();
+        field_laws::<SECOND_OFFSET>();
+        field_laws::<THIRD_OFFSET>();
     }
 
     #[test]
     fn the_other_primes_have_the_roots_they_were_chosen_for() {
-        has_small_roots::<SECOND_PRIME>();
-        has_small_roots::<THIRD_PRIME>();
+        has_small_roots::<SECOND_OFFSET>();
+        has_small_roots::<THIRD_OFFSET>();
     }
 
     fn has_small_roots<const C: u64>() {
@@ -305,10 +305,10 @@ mod tests {
     fn square_roots_of_the_acceleration_of_gravity_exist() {
         for g in [(981, 100), (98, 10), (10, 1)] {
             let g = RBig::from(g.0) / RBig::from(g.1);
-            assert!(Residue::<SECOND_PRIME>::from_rational(&g).unwrap().is_residue(), "{g}");
+            assert!(Residue::<SECOND_OFFSET>::from_rational(&g).unwrap().is_residue(), "{g}");
         }
         let standard = RBig::from(980_665) / RBig::from(100_000);
-        assert!(Residue::<THIRD_PRIME>::from_rational(&standard).unwrap().is_residue());
+        assert!(Residue::<THIRD_OFFSET>::from_rational(&standard).unwrap().is_residue());
     }
 
     #[test]
@@ -318,7 +318,7 @@ mod tests {
         let mistaken = [p.clone(), &p / &two, &one / &p, &p + &one, &p * &two / RBig::from(3) - &one, &p * &p];
         for r in &mistaken {
             assert_eq!(Fp::faithful(r, 1 << 20), None, "{r}");
-            assert!(Residue::<SECOND_PRIME>::faithful(r, 1 << 20).is_some(), "{r}");
+            assert!(Residue::<SECOND_OFFSET>::faithful(r, 1 << 20).is_some(), "{r}");
         }
         for r in [RBig::ZERO, one / two, RBig::from(3).pow(37), RBig::from(981) / RBig::from(100)] {
             assert!(Fp::faithful(&r, 1 << 20).is_some(), "{r}");

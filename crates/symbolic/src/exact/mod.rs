@@ -28,7 +28,7 @@ use serde::Serialize;
 
 pub use self::echelon::Echelon;
 pub use self::evaluation::Evaluation;
-pub use self::field::{Fp, Residue, SECOND_PRIME, THIRD_PRIME};
+pub use self::field::{Fp, Residue, SECOND_OFFSET, THIRD_OFFSET};
 pub use self::field_element::FieldElement;
 
 use self::field::Random;
@@ -162,7 +162,7 @@ pub enum Undecided {
 }
 
 impl Undecided {
-    /// True if the same question may have an answer modulo [another prime](SECOND_PRIME).
+    /// True if the same question may have an answer modulo [another prime](SECOND_OFFSET).
     pub fn needs_other_prime(&self) -> bool {
         matches!(self, Self::OtherPrime { .. } | Self::NoPoint)
     }
@@ -280,18 +280,18 @@ impl Pool {
     }
 
     /// [`Pool::sample`] modulo the prime 2^61 − `C`: `sample_in::<1>` or, for expressions such as √3 that
-    /// [need the other prime](Undecided::needs_other_prime), `sample_in::<SECOND_PRIME>`.
+    /// [need the other prime](Undecided::needs_other_prime), `sample_in::<SECOND_OFFSET>`.
     ///
     /// # Errors
     /// [`Undecided`] if an expression cannot be evaluated in this field.
     ///
     /// ```
-    /// use bracketry_symbolic::{Bindings, Pool, SECOND_PRIME};
+    /// use bracketry_symbolic::{Bindings, Pool, SECOND_OFFSET};
     /// let mut p = Pool::new();
     /// let e = p.parse("sqrt(3)*x").unwrap();
     /// let missing = p.sample(&[e], &Bindings::new(), 1, 7).unwrap_err();
     /// assert!(missing.needs_other_prime());
-    /// assert!(p.sample_in::<SECOND_PRIME>(&[e], &Bindings::new(), 1, 7).is_ok());
+    /// assert!(p.sample_in::<SECOND_OFFSET>(&[e], &Bindings::new(), 1, 7).is_ok());
     /// ```
     pub fn sample_in<const C: u64>(
         &mut self,

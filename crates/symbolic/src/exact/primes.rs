@@ -7,7 +7,7 @@
 use dashu_ratio::RBig;
 
 use super::echelon::Echelon;
-use super::field::{Residue, SECOND_PRIME, THIRD_PRIME};
+use super::field::{Residue, SECOND_OFFSET, THIRD_OFFSET};
 use super::lowering::Stop;
 use super::{Bindings, Certificate, POINTS, Rank, SEED, Undecided, ZeroTest, reason};
 use crate::pool::{Expr, Pool};
@@ -43,7 +43,7 @@ fn may_pass(stop: &Stop) -> bool {
 impl Pool {
     /// [`Pool::zero_test`] without cases.
     pub(super) fn zero_directly(&self, e: Expr, bindings: &Bindings) -> ZeroTest {
-        let moduli = [Self::vanishing::<1>, Self::vanishing::<SECOND_PRIME>, Self::vanishing::<THIRD_PRIME>];
+        let moduli = [Self::vanishing::<1>, Self::vanishing::<SECOND_OFFSET>, Self::vanishing::<THIRD_OFFSET>];
         let (mut found, mut refused): (Vec<Certificate>, Option<Stop>) = (Vec::new(), None);
         let mut contradicted = None;
         for vanishing in moduli {
@@ -85,7 +85,7 @@ impl Pool {
     /// [`Pool::rank`] without cases.
     pub(super) fn rank_directly(&self, rows: &[Vec<Expr>], bindings: &Bindings) -> Result<Rank, Undecided> {
         let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-        let moduli = [Self::prefixes::<1>, Self::prefixes::<SECOND_PRIME>, Self::prefixes::<THIRD_PRIME>];
+        let moduli = [Self::prefixes::<1>, Self::prefixes::<SECOND_OFFSET>, Self::prefixes::<THIRD_OFFSET>];
         let (mut found, mut refused): (Vec<Prefixes>, Option<Stop>) = (Vec::new(), None);
         for prefixes in moduli {
             match prefixes(self, rows, bindings) {

@@ -1,11 +1,11 @@
 //! Coefficients that are multiples of the primes of the exact tests, or differ from a small number by one.
 
 use crate::common::{cases, generator, test};
-use bracketry_symbolic::{Bindings, Expr, Pool, Residue, SECOND_PRIME, THIRD_PRIME, Undecided, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Pool, Residue, SECOND_OFFSET, THIRD_OFFSET, Undecided, ZeroTest};
 use proptest::prelude::*;
 use rand::RngExt;
 
-const PRIMES: [u64; 3] = [Residue::<1>::MODULUS, Residue::<SECOND_PRIME>::MODULUS, Residue::<THIRD_PRIME>::MODULUS];
+const PRIMES: [u64; 3] = [Residue::<1>::MODULUS, Residue::<SECOND_OFFSET>::MODULUS, Residue::<THIRD_OFFSET>::MODULUS];
 
 /// Numbers that the field of this prime mistakes for a simpler one, or has no value for.
 fn mistaken_by(p: u64) -> Vec<String> {
@@ -115,6 +115,6 @@ fn values_at_a_point_hold_known_angles() {
     let mut at = Bindings::new();
     at.bind(x, 0.into());
     let known = p.parse("sqrt(2)/2*pi/6").unwrap();
-    let samples = p.sample_in::<SECOND_PRIME>(&[e, known], &at, 1, 7).unwrap();
+    let samples = p.sample_in::<SECOND_OFFSET>(&[e, known], &at, 1, 7).unwrap();
     assert_eq!(samples.values[0][0], samples.values[0][1]);
 }

@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 
 use crate::algebra::field::Field;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// Seed of the samples that the coefficients are solved from.
@@ -125,7 +125,7 @@ impl Ansatz {
     ) -> Result<Vec<Vec<Fp>>, Undecided> {
         let columns = self.columns.len();
         let mut echelon = Echelon::empty(columns);
-        let samples = pool.sample_in::<PRIME>(roots, bindings, columns + IDLE_POINTS, SEED)?;
+        let samples = pool.sample_in::<OFFSET>(roots, bindings, columns + IDLE_POINTS, SEED)?;
         if samples.ambiguous_signs > 0 {
             return Err(bracketry_symbolic::Undecided::Sign.into());
         }
@@ -159,7 +159,7 @@ impl Ansatz {
         for &phi in found {
             roots.extend(pool.gradient(phi, states));
         }
-        let samples = pool.sample_in::<PRIME>(&roots, bindings, 1, SEED ^ 1)?;
+        let samples = pool.sample_in::<OFFSET>(&roots, bindings, 1, SEED ^ 1)?;
         let Some(values) = samples.values.first() else { return Ok(Vec::new()) };
         let by_state = self.rows(&values[..own]);
         let columns = (0..self.columns.len()).map(|c| by_state.iter().map(|row| row[c]).collect());

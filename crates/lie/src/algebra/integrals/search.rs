@@ -12,7 +12,7 @@ use crate::algebra::involutive::involutive_closure;
 use crate::algebra::span::independent;
 use crate::evidence::Evidence;
 use crate::residues::unit_row;
-use crate::residues::{Echelon, Fp, PRIME};
+use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
 
 /// Independent functions φ with L_X φ = 0 for all fields X of a distribution.
@@ -155,7 +155,7 @@ impl Search {
             pool.symbols_of(&roots[..flat.len()]).into_iter().filter(|s| !all.contains(s)).collect();
         let base = parameter_values(parameters.len());
         let flat: Vec<Expr> = roots[..flat.len()].to_vec();
-        let samples = pool.sample_in::<PRIME>(&flat, bindings, 1, scramble(2, 2))?;
+        let samples = pool.sample_in::<OFFSET>(&flat, bindings, 1, scramble(2, 2))?;
         evidence.add_rank(&samples, n)?;
         let rows: Vec<Vec<Fp>> = samples.values[0].chunks(n).map(<[Fp]>::to_vec).collect();
         let echelon = Echelon::new(&rows, n);

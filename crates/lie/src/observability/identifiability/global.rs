@@ -8,7 +8,7 @@
 //! its minimal polynomial modulo the ideal, by a Gröbner basis modulo a prime. Variables that are not even locally
 //! determined are given values as far as they are independent, which changes no number of values of the others.
 
-use bracketry_symbolic::{Pool, Residue, SECOND_PRIME, THIRD_PRIME};
+use bracketry_symbolic::{Pool, Residue, SECOND_OFFSET, THIRD_OFFSET};
 use serde::Serialize;
 
 use crate::observability::identifiability::groebner::{Basis, NoBasis, Work, distinct_roots};
@@ -98,10 +98,10 @@ impl Question {
     pub(crate) fn counts(&self, pool: &mut Pool) -> Result<Vec<Option<usize>>, GlobalReason> {
         let a = self.solutions::<1>(pool, SEED).map(|s| s.counts);
         let a = match a {
-            Err(GlobalReason::Primes) => self.solutions::<THIRD_PRIME>(pool, SEED).map(|s| s.counts)?,
+            Err(GlobalReason::Primes) => self.solutions::<THIRD_OFFSET>(pool, SEED).map(|s| s.counts)?,
             other => other?,
         };
-        let b = self.solutions::<SECOND_PRIME>(pool, SEED ^ 2)?.counts;
+        let b = self.solutions::<SECOND_OFFSET>(pool, SEED ^ 2)?.counts;
         let same = a.iter().zip(&b).all(|(a, b)| a.is_some() == b.is_some() && a == b);
         if same { Ok(a) } else { Err(GlobalReason::Primes) }
     }

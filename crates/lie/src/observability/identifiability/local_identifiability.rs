@@ -6,7 +6,7 @@
 //! The dimension of what the span shares with the differentials of states and parameters grows by fewer and fewer
 //! dimensions with each order, so that it stays once it stayed (ranks of Di Benedetto, Grizzle and Moog 1989).
 
-use bracketry_symbolic::{Bindings, Echelon, Pool, Residue, SECOND_PRIME, Symbol, THIRD_PRIME};
+use bracketry_symbolic::{Bindings, Echelon, Pool, Residue, SECOND_OFFSET, Symbol, THIRD_OFFSET};
 
 use crate::evidence::Evidence;
 use crate::observability::expansion::Expansion;
@@ -162,7 +162,7 @@ impl Question {
     /// # Errors
     /// [`Undecided`] if a function has no series, or there is too much to compute.
     pub(crate) fn local(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Local, Undecided> {
-        let moduli = [Self::local_in::<1>, Self::local_in::<SECOND_PRIME>, Self::local_in::<THIRD_PRIME>];
+        let moduli = [Self::local_in::<1>, Self::local_in::<SECOND_OFFSET>, Self::local_in::<THIRD_OFFSET>];
         let mut found: Vec<Local> = Vec::new();
         let mut refused = None;
         for modulo in moduli {

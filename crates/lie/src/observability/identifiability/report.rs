@@ -373,9 +373,9 @@ impl IdentifiabilityReport {
 /// What the second of two solutions has in place of each variable that changes, as a simple function of the first; it
 /// holds at points modulo two primes. `None` if no such functions are found.
 fn other_solution(pool: &mut Pool, question: &Question, determined: &[bool]) -> Option<Vec<(String, Function)>> {
-    use bracketry_symbolic::SECOND_PRIME;
+    use bracketry_symbolic::SECOND_OFFSET;
     let a = question.solutions::<1>(pool, SEED ^ 5).ok()?.pair?;
-    let b = question.solutions::<SECOND_PRIME>(pool, SEED ^ 6).ok()?.pair?;
+    let b = question.solutions::<SECOND_OFFSET>(pool, SEED ^ 6).ok()?.pair?;
     let mut list = Vec::new();
     for i in (0..question.variables.len()).filter(|&i| determined[i] && a.0[i] != a.1[i]) {
         let candidate = simple_functions(question.variables.len())

@@ -1,6 +1,6 @@
 //! Lyapunov and Riccati equations of random systems, and a textbook gain.
 
-use bracketry_numerics::equations::{lyapunov, riccati};
+use bracketry_numerics::matrix_equations::{lyapunov, riccati};
 use nalgebra::DMatrix;
 
 fn random(n: usize, m: usize, seed: u64) -> DMatrix<f64> {
