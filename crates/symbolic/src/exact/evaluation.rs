@@ -4,6 +4,7 @@ use super::field::Residue;
 use super::lower::is_generator;
 use super::{Bindings, SEED, Samples, Undecided};
 use crate::pool::{Expr, Pool};
+use crate::table::ExprTable;
 
 /// One point modulo the prime 2^61 − `C`: what its values of transcendental constants and of free symbols are, stays.
 ///
@@ -22,8 +23,9 @@ use crate::pool::{Expr, Pool};
 #[derive(Clone, Debug)]
 pub struct Evaluation<const C: u64 = 1> {
     bindings: Bindings,
-    /// Symbols and functions met so far, in the order in which they became generators, and their values.
-    met: Vec<Expr>,
+    /// Symbols and functions met so far, in the order in which they became generators, and their values. A table, because a pool
+    /// may renumber what no expression of its caller uses.
+    met: ExprTable,
     values: Vec<Residue<C>>,
     /// What the generators are.
     pub(super) point: Vec<Residue<C>>,
@@ -32,12 +34,12 @@ pub struct Evaluation<const C: u64 = 1> {
 impl<const C: u64> Evaluation<C> {
     /// A point at which the symbols of `bindings` have their values.
     pub fn new(bindings: Bindings) -> Self {
-        Self { bindings, met: Vec::new(), values: Vec::new(), point: Vec::new() }
+        Self { bindings, met: ExprTable::default(), values: Vec::new(), point: Vec::new() }
     }
 
     /// True before anything that has no exact value was evaluated.
     pub fn is_new(&self) -> bool {
-        self.met.is_empty()
+        self.values.is_empty()
     }
 }
 
@@ -47,17 +49,46 @@ impl Pool {
     /// # Errors
     /// [`Undecided`] if an expression cannot be evaluated in this field, or not together with those before.
     pub fn evaluate<const C: u64>(&mut self, at: &mut Evaluation<C>, roots: &[Expr]) -> Result<Samples<C>, Undecided> {
-        let mut met = at.met.clone();
-        met.extend(self.reachable(roots).into_iter().filter(|&e| is_generator(self, e) && !at.met.contains(&e)));
+        let mut met = self.import(&at.met).map_err(|_| Undecided::TooComplex)?;
+        let known = met.len();
+        let new = self.reachable(roots).into_iter().filter(|&e| is_generator(self, e) && !met.contains(&e));
+        met.extend(new.collect::<Vec<_>>());
         // Generators that come later are drawn anew.
         let seed = SEED ^ (at.point.len() as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let (samples, mut generated) = self.sample_after::<C>(&met, roots, &at.bindings, (1, seed), &at.point)?;
         let (values, point) = generated.swap_remove(0);
-        if values[..at.values.len()] != at.values {
+        if values[..known] != at.values {
             // A finer generator has taken the place of one before, such as e^(1/6) that of e^(1/3).
             return Err(Undecided::TooComplex);
         }
-        (at.met, at.values, at.point) = (met, values, point);
+        if met.len() > known {
+            (at.met, at.values, at.point) = (self.export(&met), values, point);
+        }
         Ok(samples)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn values_stay_where_the_pool_renumbers_its_nodes() {
+        let mut p = Pool::new();
+        let mut first = [p.parse("x + y").unwrap()];
+        let before = p.len();
+        let mut point = Evaluation::<1>::new(Bindings::new());
+        let texts = ["exp(1/3)*cos(1/2)", "sin(1/2) + x", "exp(1/3)*y", "log(2)*exp(2/3)"];
+        let mut values = || -> Vec<Residue<1>> {
+            let mut list = Vec::new();
+            for text in texts {
+                let e = p.parse(text).unwrap();
+                list.push(p.evaluate(&mut point, &[e]).unwrap().values[0][0]);
+                p.collect(before, &mut first);
+            }
+            list
+        };
+        assert_eq!(values(), values());
     }
 }
