@@ -9,7 +9,7 @@ use bracketry_numerics::eigen;
 use bracketry_numerics::rows::{Strided, add_product, eliminate};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, Par, Side};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SVD};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -134,9 +134,10 @@ fn spectra() {
         let nalgebra = time(|| eigen::eigenvalues(&a));
         let faer = time(|| faer_of(&a).eigenvalues().is_ok());
         row("eigenvalues", &n.to_string(), "linear analysis", None, nalgebra, faer);
-        let nalgebra = time(|| eigen::svd(a.clone()));
+        let ours = time(|| eigen::svd(&a));
+        let nalgebra = time(|| SVD::try_new(a.clone(), true, true, f64::EPSILON, 100 * n));
         let faer = time(|| faer_of(&a).svd().is_ok());
-        row("singular values and vectors", &n.to_string(), "linear analysis, identification", None, nalgebra, faer);
+        row("singular values and vectors", &n.to_string(), "linear analysis, identification", Some(ours), nalgebra, faer);
     }
 }
 
