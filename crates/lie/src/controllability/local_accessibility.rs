@@ -41,7 +41,7 @@ pub(crate) struct Frame {
     replaced: FxHashMap<Expr, Expr>,
     /// The point, as expressions, and modulo the prime.
     point: Vec<Expr>,
-    evaluation: RefCell<Evaluation<OFFSET>>,
+    evaluation: RefCell<Option<Evaluation<OFFSET>>>,
     /// f and the g_i without the inputs at the point: the generators that words are made of.
     generators: Vec<Field>,
 }
@@ -76,8 +76,8 @@ impl Frame {
                 replaced.insert(x, v);
             }
         }
-        let evaluation = RefCell::new(Evaluation::new(values.clone()));
-        Ok(Frame { fields, values, replaced, point: states.to_vec(), evaluation, generators: system.generators() })
+        let (point, evaluation) = (states.to_vec(), RefCell::new(None));
+        Ok(Frame { fields, values, replaced, point, evaluation, generators: system.generators() })
     }
 
     /// Values of the fields at the point, modulo the prime. Those of all calls belong together: transcendental constants and
@@ -93,14 +93,16 @@ impl Frame {
             if self.replaced.is_empty() { entries } else { pool.substitute_all(&entries, &self.replaced) }
         };
         let mut evaluation = self.evaluation.borrow_mut();
-        if evaluation.is_new() {
+        let evaluation = evaluation.get_or_insert_with(|| {
             // All constants of the system together: e^(1/3) and e^(1/2) are powers of one generator. Where they have no
             // values together, each is met where it is needed.
+            let mut new = Evaluation::new(self.values.clone());
             let all = at_point(pool, [self.fields.controls.concat(), self.fields.drift.clone()].concat());
-            let _ = pool.evaluate(&mut evaluation, &all);
-        }
+            let _ = pool.evaluate(&mut new, &all);
+            new
+        });
         let roots = at_point(pool, fields.concat());
-        let samples = pool.evaluate(&mut evaluation, &roots)?;
+        let samples = pool.evaluate(evaluation, &roots)?;
         evidence.add_rank(&samples, n)?;
         Ok(samples.values[0].chunks(n).map(<[Fp]>::to_vec).collect())
     }

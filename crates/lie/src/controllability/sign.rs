@@ -112,9 +112,14 @@ impl NearOrigin<'_> {
         }
     }
 
-    fn at_origin(&self, pool: &mut Pool, e: Expr) -> Expr {
+    /// What stands for the variables at the origin.
+    fn origin(&self, pool: &mut Pool) -> FxHashMap<Expr, Expr> {
         let zero = pool.int(0);
-        let origin: FxHashMap<Expr, Expr> = self.variables.iter().map(|&s| (pool.sym(s), zero)).collect();
+        self.variables.iter().map(|&s| (pool.sym(s), zero)).collect()
+    }
+
+    fn at_origin(&self, pool: &mut Pool, e: Expr) -> Expr {
+        let origin = self.origin(pool);
         pool.substitute(e, &origin)
     }
 
@@ -137,11 +142,6 @@ impl NearOrigin<'_> {
             }
         }
         let seen = match pool.node(e) {
-            Node::Num(_) => match pool.number(e) {
-                Some(r) if *r > Rational::ZERO => Sign::Positive,
-                Some(r) if *r < Rational::ZERO => Sign::Negative,
-                _ => Sign::Unknown,
-            },
             Node::Add(..) => {
                 let mut terms = Vec::new();
                 flatten(pool, e, &mut terms, |n| if let Node::Add(a, b) = n { Some((a, b)) } else { None });
@@ -170,7 +170,7 @@ impl NearOrigin<'_> {
                 }
                 _ => Sign::Unknown,
             },
-            Node::Pi | Node::Sym(_) | Node::Call2(..) => Sign::Unknown,
+            Node::Num(_) | Node::Pi | Node::Sym(_) | Node::Call2(..) => Sign::Unknown,
         };
         if seen == Sign::Unknown && depth == 0 { self.extremum(pool, e) } else { seen }
     }
@@ -277,8 +277,7 @@ impl NearOrigin<'_> {
         {
             return Sign::Unknown;
         }
-        let zero = pool.int(0);
-        let origin: FxHashMap<Expr, Expr> = self.variables.iter().map(|&s| (pool.sym(s), zero)).collect();
+        let origin = self.origin(pool);
         let second = pool.jacobian(&gradient, &used).concat();
         let constant = !second.iter().any(|&e| used.iter().any(|&s| pool.depends_on(e, s)));
         let second = pool.substitute_all(&second, &origin);

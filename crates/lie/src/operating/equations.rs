@@ -47,14 +47,18 @@ impl Equations {
         self.weights = slopes.into_iter().map(weight).collect();
     }
 
-    /// f(z) and its Jacobian, with the weights.
-    pub(crate) fn weighed(&mut self, z: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let (mut f, mut j) = (self.value(z), self.jacobian(z));
-        for (i, w) in self.weights.iter().enumerate() {
-            f[i] *= w;
-            j.row_mut(i).scale_mut(*w);
-        }
-        (f, j)
+    /// f(z) with the weights.
+    pub(crate) fn weighed_value(&mut self, z: &DVector<f64>) -> DVector<f64> {
+        let mut f = self.value(z);
+        f.iter_mut().zip(&self.weights).for_each(|(f, w)| *f *= w);
+        f
+    }
+
+    /// The Jacobian with the weights.
+    pub(crate) fn weighed_jacobian(&mut self, z: &DVector<f64>) -> DMatrix<f64> {
+        let mut j = self.jacobian(z);
+        j.row_iter_mut().zip(&self.weights).for_each(|(mut row, w)| row.scale_mut(*w));
+        j
     }
 
     pub(crate) fn value(&mut self, z: &DVector<f64>) -> DVector<f64> {

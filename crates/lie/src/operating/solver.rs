@@ -14,20 +14,17 @@ const RANK: f64 = 1e-9;
 /// Relative accuracy of a solution.
 const ACCURACY: f64 = 1e-11;
 
-/// Length of the step that is left at a point that is seen to be a solution, relative to the size of the point.
-const CLEAR: f64 = 1e-7;
-
 /// The Newton step first, then shorter ones.
 const DAMPING: Damping =
     Damping { value: 1e-3, least: 1e-14, most: 1e12, lower: 0.2, raise: 4.0, trials: 30, undamped: 1e-3 };
 
 impl Problem for Equations {
     fn residual(&mut self, z: &DVector<f64>) -> Option<DVector<f64>> {
-        Some(self.weighed(z).0)
+        Some(self.weighed_value(z))
     }
 
     fn jacobian(&mut self, z: &DVector<f64>, _: &DVector<f64>) -> Option<DMatrix<f64>> {
-        Some(self.weighed(z).1)
+        Some(self.weighed_jacobian(z))
     }
 
     fn limits(&self) -> &[[f64; 2]] {
@@ -43,8 +40,6 @@ pub(crate) struct Found {
     pub(crate) residual: f64,
     /// Whether f vanishes to rounding.
     pub(crate) solved: bool,
-    /// Equations whose first-order approximation vanishes elsewhere.
-    pub(crate) unclear: Vec<usize>,
     /// Rank of the Jacobian.
     pub(crate) rank: usize,
 }
@@ -55,15 +50,6 @@ fn is_solved(f: &DVector<f64>, j: &DMatrix<f64>, z: &DVector<f64>) -> bool {
         let size: f64 = (0..z.len()).map(|k| j[(i, k)].abs() * z[k].abs().max(1.0)).sum();
         f[i].abs() <= ACCURACY * (1.0 + size)
     })
-}
-
-/// The equations that are farther from 0 than a short step changes them.
-fn unclear(f: &DVector<f64>, j: &DMatrix<f64>, z: &DVector<f64>) -> Vec<usize> {
-    let clear = |i: usize| {
-        let slope = j.row(i).norm();
-        slope > 0.0 && f[i].abs() <= CLEAR * slope * (1.0 + z.norm())
-    };
-    (0..f.len()).filter(|&i| !clear(i)).collect()
 }
 
 /// A solution of f(z) = 0 within the limits, from `start`; where it did not converge, the best point on the way.
@@ -80,14 +66,16 @@ fn judged(equations: &mut Equations, z: DVector<f64>) -> Found {
     let j = equations.jacobian(&z);
     let residual = if f.iter().any(|v| v.is_nan()) { f64::INFINITY } else { f.amax() };
     let solved = residual.is_finite() && j.iter().all(|v| v.is_finite()) && is_solved(&f, &j, &z);
-    let rank = Factored::new(&equations.weighed(&z).1, RANK).map_or(0, |factored| factored.rank());
-    Found { residual, solved, unclear: unclear(&f, &j, &z), rank, z }
+    let rank = Factored::new(&equations.weighed_jacobian(&z), RANK).map_or(0, |factored| factored.rank());
+    Found { z, residual, solved, rank }
 }
 
 /// Whether a solution with a Jacobian of lower rank than variables belongs to a set of solutions: another one lies in a
 /// direction in which the equations do not change to first order. Else it is a multiple one.
 pub(crate) fn is_one_of_a_set(equations: &mut Equations, solution: &Found) -> bool {
-    let Some(factored) = Factored::new(&equations.weighed(&solution.z).1, RANK) else { return !solution.z.is_empty() };
+    let Some(factored) = Factored::new(&equations.weighed_jacobian(&solution.z), RANK) else {
+        return !solution.z.is_empty();
+    };
     let length = 0.05 * (1.0 + solution.z.amax());
     (0..solution.z.len()).any(|k| {
         // A coordinate direction, without what changes the equations.
@@ -107,7 +95,7 @@ pub(crate) fn nearest(equations: &mut Equations, z: Found, to: &DVector<f64>) ->
     let mut best = z;
     let mut length = 1.0;
     for _ in 0..ITERATIONS {
-        let Some(factored) = Factored::new(&equations.weighed(&best.z).1, RANK) else { break };
+        let Some(factored) = Factored::new(&equations.weighed_jacobian(&best.z), RANK) else { break };
         let along = factored.onto_null_space(to - &best.z);
         if along.norm() <= 1e-12 * (1.0 + best.z.norm()) {
             break;

@@ -338,17 +338,18 @@ impl<'a> Search<'a> {
     }
 
     /// Whether all equations vanish there: each changes its sign within a short step along its gradient, or vanishes exactly, as at
-    /// a multiple solution. What only tends to 0, as e^−x does, has one sign.
+    /// a multiple solution. What only tends to 0, as e^−x does, has one sign. Where signs are not known, the first-order
+    /// approximation tells.
     fn is_solution(&mut self, found: &Found) -> bool {
-        let slopes = self.equations.jacobian(&found.z);
+        let (f, slopes) = (self.equations.value(&found.z), self.equations.jacobian(&found.z));
         let length = CLEAR * (1.0 + found.z.norm());
         let vanish = (0..self.equations.rows).all(|i| {
-            let gradient = slopes.row(i).transpose();
-            let step = &gradient * (length / gradient.norm().max(f64::MIN_POSITIVE));
+            let (gradient, slope) = (slopes.row(i).transpose(), slopes.row(i).norm());
+            let step = &gradient * (length / slope.max(f64::MIN_POSITIVE));
             match [&found.z - &step, found.z.clone(), &found.z + &step].map(|z| self.sign(i, &z)) {
                 [_, Some(Ordering::Equal), _] => true,
                 [Some(before), _, Some(after)] => before != after,
-                _ => !found.unclear.contains(&i),
+                _ => slope > 0.0 && f[i].abs() <= slope * length,
             }
         });
         vanish || self.confirmed(found, 1e-3).is_some()

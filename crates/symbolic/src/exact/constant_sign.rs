@@ -35,8 +35,12 @@ impl Pool {
     /// assert_eq!(sign("x - x^2"), None);
     /// ```
     pub fn constant_sign(&mut self, e: Expr, bindings: &Bindings) -> Option<Ordering> {
+        if let Some(q) = self.number(e) {
+            return Some(q.cmp(&RBig::ZERO));
+        }
         let nodes = self.reachable(&[e]);
-        if nodes.len() > MAX_NODES {
+        let is_open = |n: &Expr| matches!(self.node(*n), Node::Sym(s) if bindings.get(s).is_none());
+        if nodes.len() > MAX_NODES || nodes.iter().any(is_open) {
             return None;
         }
         for (attempt, bits) in BITS.into_iter().enumerate() {

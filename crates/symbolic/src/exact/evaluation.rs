@@ -3,7 +3,7 @@
 use super::field::Residue;
 use super::lower::is_generator;
 use super::{Bindings, SEED, Samples, Undecided};
-use crate::pool::{Expr, Pool};
+use crate::pool::{Expr, Node, Pool};
 use crate::table::ExprTable;
 
 /// One point modulo the prime 2^61 − `C`: what its values of transcendental constants and of free symbols are, stays.
@@ -28,18 +28,13 @@ pub struct Evaluation<const C: u64 = 1> {
     met: ExprTable,
     values: Vec<Residue<C>>,
     /// What the generators are.
-    pub(super) point: Vec<Residue<C>>,
+    point: Vec<Residue<C>>,
 }
 
 impl<const C: u64> Evaluation<C> {
     /// A point at which the symbols of `bindings` have their values.
     pub fn new(bindings: Bindings) -> Self {
         Self { bindings, met: ExprTable::default(), values: Vec::new(), point: Vec::new() }
-    }
-
-    /// True before anything that has no exact value was evaluated.
-    pub fn is_new(&self) -> bool {
-        self.values.is_empty()
     }
 }
 
@@ -51,12 +46,14 @@ impl Pool {
     pub fn evaluate<const C: u64>(&mut self, at: &mut Evaluation<C>, roots: &[Expr]) -> Result<Samples<C>, Undecided> {
         let mut met = self.import(&at.met).map_err(|_| Undecided::TooComplex)?;
         let known = met.len();
-        let new = self.reachable(roots).into_iter().filter(|&e| is_generator(self, e) && !met.contains(&e));
-        met.extend(new.collect::<Vec<_>>());
+        let is_bound = |e: Expr| matches!(self.node(e), Node::Sym(s) if at.bindings.get(s).is_some());
+        let is_new = |e: &Expr| is_generator(self, *e) && !is_bound(*e) && !met.contains(e);
+        let new: Vec<Expr> = self.reachable(roots).into_iter().filter(is_new).collect();
+        met.extend(new);
         // Generators that come later are drawn anew.
         let seed = SEED ^ (at.point.len() as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let (samples, mut generated) = self.sample_after::<C>(&met, roots, &at.bindings, (1, seed), &at.point)?;
-        let (values, point) = generated.swap_remove(0);
+        let Some((values, point)) = generated.pop() else { return Ok(samples) };
         if values[..known] != at.values {
             // A finer generator has taken the place of one before, such as e^(1/6) that of e^(1/3).
             return Err(Undecided::TooComplex);

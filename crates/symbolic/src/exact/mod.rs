@@ -303,7 +303,7 @@ impl Pool {
         Ok(self.sample_after(&[], roots, bindings, (points, seed), &[])?.0)
     }
 
-    /// [`Pool::sample_in`], and for every point the values of `first` and of all generators, those of `first` before all others;
+    /// [`Pool::sample_in`], and, where there is a `first`, for every point its values and those of all generators, its own before all others;
     /// `start` gives those with which every point begins.
     fn sample_after<const C: u64>(
         &mut self,
@@ -365,7 +365,9 @@ impl Pool {
             match program.run(&point, &mut registers) {
                 Ok(()) => {
                     values.push(outputs.iter().map(|&r| registers[r]).collect());
-                    generated.push((first.iter().map(|&r| registers[r]).collect(), point));
+                    if !first.is_empty() {
+                        generated.push((first.iter().map(|&r| registers[r]).collect(), point));
+                    }
                 }
                 Err(fault) => {
                     no_root |= fault == Fault::NoRoot;
