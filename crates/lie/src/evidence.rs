@@ -43,7 +43,14 @@ impl Evidence {
     /// # Errors
     /// [`crate::undecided::Undecided::TooMany`] where the products of all eliminations become too many.
     pub(crate) fn allow_elimination(&mut self, rows: usize, columns: usize) -> Result<(), crate::undecided::Undecided> {
-        let products = 3.0 * rows as f64 * rows.min(columns) as f64 * columns as f64;
+        self.spend(3.0 * rows as f64 * rows.min(columns) as f64 * columns as f64)
+    }
+
+    /// Takes products of eliminations into account.
+    ///
+    /// # Errors
+    /// As [`Evidence::allow_elimination`].
+    pub(crate) fn spend(&mut self, products: f64) -> Result<(), crate::undecided::Undecided> {
         if self.products + products > MAX_PRODUCTS {
             return Err(crate::undecided::Undecided::TooMany { products: MAX_PRODUCTS });
         }

@@ -103,7 +103,7 @@ pub(crate) fn close(
 struct Products {
     /// All that do not vanish, with the numbers of generator and field.
     brackets: Vec<(usize, usize, Field)>,
-    /// The spanning fields, then the brackets that differ from all before them.
+    /// The rest of the distribution, then the brackets modulo its coordinate fields that differ from all before them.
     candidates: Vec<Field>,
     /// Where those brackets come from.
     origin: Vec<(usize, usize)>,
@@ -116,7 +116,8 @@ fn products(
     now: &Reduced,
     first_node: usize,
 ) -> Result<Products, Undecided> {
-    let (mut brackets, mut candidates, mut origin) = (Vec::new(), now.spanning.clone(), Vec::new());
+    let zero = pool.int(0);
+    let (mut brackets, mut candidates, mut origin) = (Vec::new(), now.rest.clone(), Vec::new());
     for (m, x) in generators.iter().enumerate() {
         for (l, y) in now.fresh.iter().enumerate() {
             check_growth(pool, first_node, [x, y], 1)?;
@@ -124,8 +125,9 @@ fn products(
             if is_plain_zero(pool, &z) {
                 continue;
             }
-            if !candidates.contains(&z) {
-                candidates.push(z.clone());
+            let rest = now.remainder(zero, &z);
+            if !is_plain_zero(pool, &rest) && !candidates.contains(&rest) {
+                candidates.push(rest);
                 origin.push((m, l));
             }
             brackets.push((m, l, z));
@@ -145,15 +147,11 @@ fn close_by(
     evidence: &mut Evidence,
 ) -> Result<Option<Closure>, Undecided> {
     let first_node = pool.len();
-    let reduce_more = |pool: &mut Pool, old: &[Field], new: &[Field], evidence: &mut Evidence| {
-        if simplify {
-            return reduce(pool, old, new, bindings, evidence);
-        }
-        let spanning = old.iter().chain(new).cloned().collect();
-        Reduced { spanning, fresh: new.to_vec(), units: Vec::new() }
+    let reduce_more = |pool: &mut Pool, old: Reduced, new: Vec<Field>, evidence: &mut Evidence| {
+        if simplify { reduce(pool, old, new, bindings, evidence) } else { old.with(new) }
     };
-    let mut now = reduce_more(pool, &[], &start.fields, evidence);
-    let mut changed = !now.units.is_empty();
+    let mut now = reduce_more(pool, Reduced::default(), start.fields.clone(), evidence);
+    let mut changed = now.units.contains(&true);
     let mut history = History {
         generators: start.fields.clone(),
         words: start.words.clone(),
@@ -163,16 +161,16 @@ fn close_by(
     if let Some(f) = drift {
         history.generators.push(f.clone());
         history.words.push(Word::Generator(0));
-        let rest = now.remainder(pool, f);
+        let rest = now.remainder(pool.int(0), f);
         if !is_plain_zero(pool, &rest) {
             history.simplified.push(rest);
         }
     }
-    let mut growth = vec![now.spanning.len()];
+    let mut growth = vec![now.dimension()];
     // The words of all rounds, and where those of the last begin, while nothing was simplified.
     let (mut words, mut last) = (start.words.clone(), 0);
-    while !now.fresh.is_empty() && now.spanning.len() < states.len() {
-        let known = now.spanning.len();
+    while !now.fresh.is_empty() && now.dimension() < states.len() {
+        let known = now.rest.len();
         let Products { brackets, candidates, origin } = products(pool, states, &history.simplified, &now, first_node)?;
         let rows = independent_rows(pool, &candidates, bindings, evidence)?;
         let chosen: Vec<usize> = rows.into_iter().filter(|&i| i >= known).collect();
@@ -183,16 +181,15 @@ fn close_by(
             }
         }
         let new: Vec<Field> = chosen.into_iter().map(|i| candidates[i].clone()).collect();
-        let Reduced { spanning: old, fresh, .. } = now;
-        history.rounds.push(Round { fresh, brackets });
-        now = reduce_more(pool, &old, &new, evidence);
-        changed |= !now.units.is_empty();
-        let both: Vec<Field> = now.spanning.iter().chain(&now.fresh).cloned().collect();
+        history.rounds.push(Round { fresh: std::mem::take(&mut now.fresh), brackets });
+        now = reduce_more(pool, now, new, evidence);
+        changed |= now.units.contains(&true);
+        let both = [&now.rest[..], &now.fresh].concat();
         if let Ok(mut merged) = merge_equal(pool, &both, bindings, evidence) {
-            now.fresh = merged.split_off(now.spanning.len());
-            now.spanning = merged;
+            now.fresh = merged.split_off(now.rest.len());
+            now.rest = merged;
         }
-        growth.push(now.spanning.len());
+        growth.push(now.dimension());
     }
     history.rounds.push(Round { fresh: now.fresh, brackets: Vec::new() });
     if changed {

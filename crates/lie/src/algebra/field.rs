@@ -36,9 +36,14 @@ const FEW_NODES: usize = 300;
 /// The gradients of large expressions would take as many sweeps, and products, as there are
 /// states. One sweep with the chain rule at every node takes a few new nodes for each.
 fn derivatives_along(pool: &mut Pool, states: &[Symbol], field: &[Expr], functions: &[Expr]) -> Vec<Expr> {
+    if functions.iter().all(|&h| pool.number(h).is_some()) {
+        return vec![pool.int(0); functions.len()];
+    }
     let nodes = pool.reachable(functions);
     if nodes.len() < FEW_NODES {
-        return functions.iter().map(|&h| pool.lie_derivative(h, states, field)).collect();
+        let along = states.iter().zip(field).filter(|(_, v)| !pool.is_zero(**v));
+        let (states, field): (Vec<Symbol>, Vec<Expr>) = along.map(|(&s, &v)| (s, v)).unzip();
+        return functions.iter().map(|&h| pool.lie_derivative(h, &states, &field)).collect();
     }
     let zero = pool.int(0);
     let component: FxHashMap<Symbol, Expr> = states.iter().copied().zip(field.iter().copied()).collect();

@@ -3,6 +3,7 @@
 use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
 
 use crate::algebra::rational::readable::tidy;
+use crate::algebra::span::independent_rows;
 use crate::budget::check_size;
 use crate::evidence::Evidence;
 use crate::undecided::Undecided;
@@ -17,14 +18,7 @@ pub(crate) fn generic_rank(
     bindings: &Bindings,
     evidence: &mut Evidence,
 ) -> Result<usize, Undecided> {
-    let Some(first) = rows.first() else { return Ok(0) };
-    if first.is_empty() {
-        return Ok(0);
-    }
-    evidence.allow_elimination(rows.len(), first.len())?;
-    let rank = pool.rank(rows, bindings)?;
-    evidence.add(&rank.certificate);
-    Ok(rank.rank)
+    Ok(independent_rows(pool, rows, bindings, evidence)?.len())
 }
 
 /// The determinant of a square matrix as a readable expression; `None` if it is not square, empty or too large.

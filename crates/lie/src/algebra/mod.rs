@@ -12,6 +12,7 @@ pub(crate) mod lie_algebra;
 pub(crate) mod matrix;
 pub(crate) mod merge;
 pub(crate) mod naming;
+pub(crate) mod peel;
 pub(crate) mod rational;
 pub(crate) mod reduce;
 pub(crate) mod span;

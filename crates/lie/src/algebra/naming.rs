@@ -5,7 +5,7 @@ use bracketry_symbolic::{Bindings, Pool};
 use crate::algebra::field::Field;
 use crate::algebra::word::Word;
 use crate::evidence::Evidence;
-use crate::residues::{Echelon, Fp, OFFSET};
+use crate::residues::{Echelon, Fp, OFFSET, Span};
 
 /// Seed and number of the points that are tried.
 const SEED: u64 = 0x6272_6163_6b65_7406;
@@ -43,22 +43,21 @@ impl History {
         let n = self.generators.first()?.len();
         let brackets = || self.rounds.iter().flat_map(|r| r.fresh.iter().chain(r.brackets.iter().map(|b| &b.2)));
         let fields = || self.generators.iter().chain(&self.simplified).chain(brackets());
-        evidence.allow_elimination(fields().count(), n).ok()?;
         let roots: Vec<_> = fields().flatten().copied().collect();
         let samples = pool.sample_in::<OFFSET>(&roots, bindings, POINTS, SEED).ok()?;
         if samples.ambiguous_signs > 0 {
             return None;
         }
-        samples.values.iter().find_map(|values| self.name_at(&mut values.chunks(n)))
+        samples.values.iter().find_map(|values| self.name_at(&mut values.chunks(n), evidence))
     }
 
-    fn name_at<'a>(&self, values: &mut impl Iterator<Item = &'a [Fp]>) -> Option<Vec<Word>> {
+    fn name_at<'a>(&self, values: &mut impl Iterator<Item = &'a [Fp]>, evidence: &mut Evidence) -> Option<Vec<Word>> {
         let generators: Vec<&[Fp]> = values.take(self.generators.len()).collect();
         let simplified: Vec<&[Fp]> = values.take(self.simplified.len()).collect();
         let alpha: Vec<Vec<Fp>> =
-            generators.iter().map(|x| coordinates(&Echelon::empty(x.len()), &simplified, x)).collect::<Option<_>>()?;
+            generators.iter().map(|x| coordinates(&mut Span::empty(x.len()), &simplified, x)).collect::<Option<_>>()?;
         let mut names = Vec::new();
-        let mut span = Echelon::empty(generators.first()?.len());
+        let mut span = Span::empty(generators.first()?.len());
         // The words of this round with their values modulo Δ_{k−1}.
         let first = self.rounds.first()?.fresh.len();
         let mut words: Vec<(Word, Vec<Fp>)> =
@@ -68,7 +67,8 @@ impl History {
             if words.len() != fresh.len() {
                 return None;
             }
-            let beta: Vec<Vec<Fp>> = words.iter().map(|(_, w)| coordinates(&span, &fresh, w)).collect::<Option<_>>()?;
+            let beta: Vec<Vec<Fp>> =
+                words.iter().map(|(_, w)| coordinates(&mut span, &fresh, w)).collect::<Option<_>>()?;
             for z in &fresh {
                 span.insert(z.to_vec());
             }
@@ -89,14 +89,16 @@ impl History {
                 }
             }
             words = next;
+            evidence.spend(grown.products).ok()?;
+            span.products = 0.0;
         }
         words.is_empty().then_some(names)
     }
 }
 
 /// c with `vector` = Σ c_l `basis`_l modulo `span`, if there is one.
-fn coordinates(span: &Echelon, basis: &[&[Fp]], vector: &[Fp]) -> Option<Vec<Fp>> {
-    let tagged = |v: &[Fp], tag: Option<usize>| -> Vec<Fp> {
+fn coordinates(span: &mut Span, basis: &[&[Fp]], vector: &[Fp]) -> Option<Vec<Fp>> {
+    let mut tagged = |v: &[Fp], tag: Option<usize>| -> Vec<Fp> {
         let tags = (0..basis.len()).map(|l| if Some(l) == tag { Fp::ONE } else { Fp::ZERO });
         span.reduce(v.to_vec()).into_iter().chain(tags).collect()
     };

@@ -3,6 +3,7 @@
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, ZeroTest};
 
 use crate::algebra::field::{Field, VectorFields, bracket, is_plain_zero};
+use crate::algebra::peel::Peeled;
 use crate::algebra::word::Word;
 use crate::budget::check_growth;
 use crate::evidence::Evidence;
@@ -54,15 +55,16 @@ pub(crate) fn independent_rows(
     bindings: &Bindings,
     evidence: &mut Evidence,
 ) -> Result<Vec<usize>, Undecided> {
-    let numbers: Vec<usize> = (0..fields.len()).filter(|&i| !is_plain_zero(pool, &fields[i])).collect();
-    if numbers.is_empty() {
-        return Ok(numbers);
+    let peeled = Peeled::of(pool, fields);
+    let mut independent: Vec<usize> = peeled.units.iter().map(|u| u.0).collect();
+    if !peeled.rest.is_empty() {
+        evidence.allow_elimination(peeled.rest.len(), peeled.columns.len())?;
+        let rank = pool.rank(&peeled.rest(fields), bindings)?;
+        evidence.add(&rank.certificate);
+        independent.extend(rank.independent.iter().map(|&i| peeled.rest[i]));
+        independent.sort_unstable();
     }
-    let rows: Vec<Field> = numbers.iter().map(|&i| fields[i].clone()).collect();
-    evidence.allow_elimination(rows.len(), rows[0].len())?;
-    let rank = pool.rank(&rows, bindings)?;
-    evidence.add(&rank.certificate);
-    Ok(rank.independent.iter().map(|&i| numbers[i]).collect())
+    Ok(independent)
 }
 
 /// Whether the brackets of `basis` (independent fields) stay in its span, at a generic point.
@@ -84,7 +86,9 @@ pub(crate) fn involutive(
         for b in &basis[..i] {
             check_growth(pool, first_node, [a, b], 1)?;
             let z = bracket(pool, states, a, b);
-            all.push(z);
+            if !is_plain_zero(pool, &z) {
+                all.push(z);
+            }
         }
     }
     Ok(independent(pool, &all, bindings, evidence)?.len() == basis.len())

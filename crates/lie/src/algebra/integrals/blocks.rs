@@ -261,6 +261,10 @@ impl Blocks {
     fn products(&self, pool: &Pool, atoms: Vec<Expr>, degree: usize, most: usize, functions: &[Expr]) -> Ansatz {
         let constant: Vec<bool> = atoms.iter().map(|&a| self.is_fixed(pool, a)).collect();
         let exclusive = |p: &[usize], k: usize| p.iter().any(|&j| related(pool, &atoms, j, k));
+        // A product of fixed atoms alone is worth keeping only as a factor of one that moves.
+        let Some(last_moving) = constant.iter().rposition(|fixed| !fixed) else {
+            return Ansatz { atoms, functions: functions.to_vec(), columns: last_functions(functions, most) };
+        };
         let mut columns: Vec<Vec<usize>> = Vec::new();
         let mut last: Vec<Vec<usize>> = vec![Vec::new()];
         let room = most.saturating_sub(functions.len());
@@ -271,9 +275,13 @@ impl Blocks {
                     if exclusive(p, k) {
                         continue;
                     }
+                    let fixed = constant[k] && p.iter().all(|&i| constant[i]);
+                    if fixed && k > last_moving {
+                        break;
+                    }
                     let mut q = p.clone();
                     q.push(k);
-                    if !q.iter().all(|&i| constant[i]) {
+                    if !fixed {
                         if columns.len() == room {
                             break 'fill;
                         }
@@ -285,7 +293,7 @@ impl Blocks {
             last = next;
         }
         let mut columns: Vec<Column> = columns.into_iter().map(Column::Product).collect();
-        columns.extend((0..functions.len().min(most)).map(Column::Function));
+        columns.extend(last_functions(functions, most));
         Ansatz { atoms, functions: functions.to_vec(), columns }
     }
 
@@ -294,6 +302,11 @@ impl Blocks {
         let symbols = pool.symbols_of(&[e]);
         !self.moving.iter().any(|&x| matches!(pool.node(x), Node::Sym(s) if symbols.contains(&s)))
     }
+}
+
+/// The columns of functions on their own.
+fn last_functions(functions: &[Expr], most: usize) -> Vec<Column> {
+    (0..functions.len().min(most)).map(Column::Function).collect()
 }
 
 /// The states.
