@@ -34,7 +34,9 @@ impl Peeled {
                     units.push((i, j));
                 }
                 _ => {
-                    open.iter().for_each(|&j| used[j] = true);
+                    for j in open {
+                        used[j] = true;
+                    }
                     rest.push(i);
                 }
             }
@@ -51,6 +53,7 @@ impl Peeled {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use bracketry_symbolic::Bindings;
     use proptest::prelude::*;

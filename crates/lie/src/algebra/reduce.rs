@@ -77,7 +77,9 @@ fn simpler(
     coordinates.sort_unstable_by_key(|u| u.0);
     let mut units = before.units.clone();
     units.resize(n, false);
-    coordinates.iter().for_each(|u| units[u.0] = true);
+    for &(c, _) in &coordinates {
+        units[c] = true;
+    }
     if !units.contains(&true) {
         return None;
     }
