@@ -115,3 +115,25 @@ impl VectorFields {
 pub(crate) fn vanishes(pool: &mut Pool, e: Expr, bindings: &Bindings) -> bool {
     pool.is_zero(e) || matches!(pool.zero_test(e, bindings), ZeroTest::Zero(_))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// Two entries in each row, none of them a number: all rows would have to be eliminated.
+    #[test]
+    fn ranks_that_take_too_many_products_are_undecided_before_they_are_taken() {
+        let n = 700;
+        let mut pool = Pool::new();
+        let (x, y, zero) = (pool.parse("x").unwrap(), pool.parse("y").unwrap(), pool.int(0));
+        let entry = |i: usize, j: usize| if j == i { x } else { zero };
+        let row = |i: usize| -> Field { (0..n).map(|j| if j == (i + 1) % n { y } else { entry(i, j) }).collect() };
+        let rows: Vec<Field> = (0..n).map(row).collect();
+        let mut evidence = Evidence::default();
+        let why = independent_rows(&mut pool, &rows, &Bindings::new(), &mut evidence).unwrap_err();
+        assert!(why.to_string().contains("products"), "{why}");
+        let few: Vec<Field> = rows[..5].to_vec();
+        assert_eq!(independent_rows(&mut pool, &few, &Bindings::new(), &mut evidence).unwrap(), [0, 1, 2, 3, 4]);
+    }
+}
