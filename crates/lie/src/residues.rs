@@ -23,7 +23,7 @@ pub(crate) fn times(rows: &[Vec<Fp>], v: &[Fp]) -> Vec<Fp> {
 #[derive(Clone)]
 pub(crate) struct Span {
     /// Whether the span holds this coordinate vector.
-    units: Vec<bool>,
+    pub(crate) units: Vec<bool>,
     /// The rest, with zeros in their columns.
     rest: Echelon,
     /// Products that eliminations took so far.

@@ -150,7 +150,7 @@ fn close_by(
     let reduce_more = |pool: &mut Pool, old: Reduced, new: Vec<Field>, evidence: &mut Evidence| {
         if simplify { reduce(pool, old, new, bindings, evidence) } else { old.with(new) }
     };
-    let mut now = reduce_more(pool, Reduced::default(), start.fields.clone(), evidence);
+    let mut now = reduce_more(pool, Reduced::empty(states.len()), start.fields.clone(), evidence);
     let mut changed = now.units.contains(&true);
     let mut history = History {
         generators: start.fields.clone(),

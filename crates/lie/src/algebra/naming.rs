@@ -5,7 +5,7 @@ use bracketry_symbolic::{Bindings, Pool};
 use crate::algebra::field::Field;
 use crate::algebra::word::Word;
 use crate::evidence::Evidence;
-use crate::residues::{Echelon, Fp, OFFSET, Span};
+use crate::residues::{Echelon, Fp, OFFSET, Span, unit_row};
 
 /// Seed and number of the points that are tried.
 const SEED: u64 = 0x6272_6163_6b65_7406;
@@ -54,10 +54,11 @@ impl History {
     fn name_at<'a>(&self, values: &mut impl Iterator<Item = &'a [Fp]>, evidence: &mut Evidence) -> Option<Vec<Word>> {
         let generators: Vec<&[Fp]> = values.take(self.generators.len()).collect();
         let simplified: Vec<&[Fp]> = values.take(self.simplified.len()).collect();
-        let alpha: Vec<Vec<Fp>> =
-            generators.iter().map(|x| coordinates(&mut Span::empty(x.len()), &simplified, x)).collect::<Option<_>>()?;
+        let n = generators.first()?.len();
+        let mut span = Span::empty(n);
+        let mut basis = Coordinates::in_basis(&mut span, &simplified);
+        let alpha: Vec<Vec<Fp>> = generators.iter().map(|x| basis.of(x)).collect::<Option<_>>()?;
         let mut names = Vec::new();
-        let mut span = Span::empty(generators.first()?.len());
         // The words of this round with their values modulo Δ_{k−1}.
         let first = self.rounds.first()?.fresh.len();
         let mut words: Vec<(Word, Vec<Fp>)> =
@@ -67,8 +68,8 @@ impl History {
             if words.len() != fresh.len() {
                 return None;
             }
-            let beta: Vec<Vec<Fp>> =
-                words.iter().map(|(_, w)| coordinates(&mut span, &fresh, w)).collect::<Option<_>>()?;
+            let mut basis = Coordinates::in_basis(&mut span, &fresh);
+            let beta: Vec<Vec<Fp>> = words.iter().map(|(_, w)| basis.of(w)).collect::<Option<_>>()?;
             for z in &fresh {
                 span.insert(z.to_vec());
             }
@@ -78,7 +79,7 @@ impl History {
             let mut next = Vec::new();
             for (x, alpha) in self.words.iter().zip(&alpha) {
                 for ((w, _), beta) in words.iter().zip(&beta) {
-                    let mut value = vec![Fp::ZERO; generators[0].len()];
+                    let mut value = vec![Fp::ZERO; n];
                     for ((m, l, _), z) in round.brackets.iter().zip(&brackets) {
                         let c = alpha[*m] * beta[*l];
                         value.iter_mut().zip(*z).for_each(|(v, &z)| *v += c * z);
@@ -96,17 +97,37 @@ impl History {
     }
 }
 
-/// c with `vector` = Σ c_l `basis`_l modulo `span`, if there is one.
-fn coordinates(span: &mut Span, basis: &[&[Fp]], vector: &[Fp]) -> Option<Vec<Fp>> {
-    let mut tagged = |v: &[Fp], tag: Option<usize>| -> Vec<Fp> {
-        let tags = (0..basis.len()).map(|l| if Some(l) == tag { Fp::ONE } else { Fp::ZERO });
-        span.reduce(v.to_vec()).into_iter().chain(tags).collect()
-    };
-    let mut echelon = Echelon::empty(vector.len() + basis.len());
-    for (l, z) in basis.iter().enumerate() {
-        echelon.insert(tagged(z, Some(l)));
+/// Coordinates in a basis modulo a span.
+struct Coordinates<'a> {
+    span: &'a mut Span,
+    /// The basis modulo the span, each vector followed by a row of the unit matrix.
+    tagged: Echelon,
+    /// Entries of a vector, and vectors of the basis.
+    size: (usize, usize),
+}
+
+impl<'a> Coordinates<'a> {
+    fn in_basis(span: &'a mut Span, basis: &[&[Fp]]) -> Self {
+        let size = (span.units.len(), basis.len());
+        let mut found = Coordinates { span, tagged: Echelon::empty(size.0 + size.1), size };
+        for (l, z) in basis.iter().enumerate() {
+            let row = found.tagged(z, unit_row(l, basis.len()));
+            found.tagged.insert(row);
+        }
+        found
     }
-    let rest = echelon.reduce(tagged(vector, None));
-    let (left, right) = rest.split_at(vector.len());
-    left.iter().all(|x| *x == Fp::ZERO).then(|| right.iter().map(|c| -*c).collect())
+
+    /// `vector` modulo the span with a tag, the elimination of which is counted.
+    fn tagged(&mut self, vector: &[Fp], tag: Vec<Fp>) -> Vec<Fp> {
+        self.span.products += 2.0 * (self.tagged.rank() * (self.size.0 + self.size.1)) as f64;
+        [self.span.reduce(vector.to_vec()), tag].concat()
+    }
+
+    /// c with `vector` = Σ c_l `basis`_l modulo the span, if there is one.
+    fn of(&mut self, vector: &[Fp]) -> Option<Vec<Fp>> {
+        let row = self.tagged(vector, vec![Fp::ZERO; self.size.1]);
+        let rest = self.tagged.reduce(row);
+        let (left, right) = rest.split_at(self.size.0);
+        left.iter().all(|x| *x == Fp::ZERO).then(|| right.iter().map(|c| -*c).collect())
+    }
 }

@@ -5,14 +5,13 @@ use bracketry_symbolic::{Bindings, Expr, Pool, Samples};
 use crate::algebra::field::Field;
 use crate::algebra::peel::Peeled;
 use crate::evidence::Evidence;
-use crate::residues::{Echelon, Fp, OFFSET, unit_row};
+use crate::residues::{Echelon, Fp, OFFSET, Span, unit_row};
 
 /// Seed and number of the points at which unit fields are looked for.
 const SEED: u64 = 0x6272_6163_6b65_7405;
 const POINTS: usize = 3;
 
 /// A distribution Δ_k at a generic point.
-#[derive(Default)]
 pub(crate) struct Reduced {
     /// Whether ∂/∂x_i is known to be in Δ_k, for each coordinate.
     pub(crate) units: Vec<bool>,
@@ -55,7 +54,7 @@ fn simpler(
     let (zero, one) = (pool.int(0), pool.int(1));
     let old = before.rest.len();
     let all = [&before.rest, new].concat();
-    let n = all.first()?.len();
+    let n = before.units.len();
     let peeled = Peeled::of(pool, &all);
     let samples = if peeled.rest.is_empty() { None } else { Some(sampled(pool, &all, &peeled, bindings, evidence)?) };
     let columns = &peeled.columns;
@@ -63,9 +62,11 @@ fn simpler(
     // Coordinates, by their number among the columns, whose fields are in the span of the rest.
     let mut found = vec![samples.is_some(); columns.len()];
     for values in samples.iter().flat_map(|s| &s.values) {
-        let span = Echelon::new(&rows(values), columns.len());
-        let units: Vec<usize> = unit_rows(&span).collect();
-        found.iter_mut().enumerate().for_each(|(i, all)| *all &= units.contains(&i));
+        let mut span = Span::empty(columns.len());
+        for row in rows(values) {
+            span.insert(row);
+        }
+        found.iter_mut().zip(&span.units).for_each(|(all, unit)| *all &= unit);
     }
     let of_rest: Vec<usize> = (0..columns.len()).filter(|&i| found[i]).collect();
     if let (Some(samples), false) = (&samples, of_rest.is_empty()) {
@@ -75,13 +76,12 @@ fn simpler(
     let mut coordinates: Vec<(usize, Unit)> = peeled.units.iter().map(|&(i, c)| (c, Unit::Plain(i))).collect();
     coordinates.extend(of_rest.iter().map(|&i| (columns[i], Unit::Found(i))));
     coordinates.sort_unstable_by_key(|u| u.0);
+    if coordinates.is_empty() {
+        return None;
+    }
     let mut units = before.units.clone();
-    units.resize(n, false);
     for &(c, _) in &coordinates {
         units[c] = true;
-    }
-    if !units.contains(&true) {
-        return None;
     }
     let unit = |i: usize| -> Field { (0..n).map(|k| if k == i { one } else { zero }).collect() };
     let without = |field: &Field| -> Field { zeroed(field, &units, zero) };
@@ -141,18 +141,17 @@ fn sampled(
     (samples.ambiguous_signs == 0).then_some(samples)
 }
 
-/// The columns for which the span holds the row that is 1 there and 0 elsewhere.
-fn unit_rows(span: &Echelon) -> impl Iterator<Item = usize> {
-    let alone = |row: &[Fp], p: usize| row.iter().enumerate().all(|(j, x)| j == p || x.is_zero());
-    span.pivots.iter().zip(&span.rows).filter(move |(p, row)| alone(row, **p)).map(|(p, _)| *p)
-}
-
 /// The field without its components along some coordinates.
 fn zeroed<T: Copy>(field: &[T], coordinates: &[bool], zero: T) -> Vec<T> {
     field.iter().zip(coordinates).map(|(&x, &gone)| if gone { zero } else { x }).collect()
 }
 
 impl Reduced {
+    /// Nothing yet, of `n` coordinates.
+    pub(crate) fn empty(n: usize) -> Self {
+        Reduced { units: vec![false; n], rest: Vec::new(), fresh: Vec::new() }
+    }
+
     /// Dimension of Δ_k.
     pub(crate) fn dimension(&self) -> usize {
         self.units.iter().filter(|u| **u).count() + self.rest.len()
@@ -160,15 +159,12 @@ impl Reduced {
 
     /// With other fields, which are independent of those that it has, as they are.
     pub(crate) fn with(mut self, new: Vec<Field>) -> Self {
-        if let Some(field) = new.first() {
-            self.units.resize(field.len(), false);
-        }
         self.rest.extend(new.iter().cloned());
         Reduced { fresh: new, ..self }
     }
 
     /// The field modulo the coordinate fields.
     pub(crate) fn remainder(&self, zero: Expr, field: &[Expr]) -> Field {
-        if self.units.is_empty() { field.to_vec() } else { zeroed(field, &self.units, zero) }
+        zeroed(field, &self.units, zero)
     }
 }

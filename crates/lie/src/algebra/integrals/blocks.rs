@@ -262,9 +262,7 @@ impl Blocks {
         let constant: Vec<bool> = atoms.iter().map(|&a| self.is_fixed(pool, a)).collect();
         let exclusive = |p: &[usize], k: usize| p.iter().any(|&j| related(pool, &atoms, j, k));
         // A product of fixed atoms alone is worth keeping only as a factor of one that moves.
-        let Some(last_moving) = constant.iter().rposition(|fixed| !fixed) else {
-            return Ansatz { atoms, functions: functions.to_vec(), columns: last_functions(functions, most) };
-        };
+        let last_moving = constant.iter().rposition(|fixed| !fixed);
         let mut columns: Vec<Vec<usize>> = Vec::new();
         let mut last: Vec<Vec<usize>> = vec![Vec::new()];
         let room = most.saturating_sub(functions.len());
@@ -276,7 +274,7 @@ impl Blocks {
                         continue;
                     }
                     let fixed = constant[k] && p.iter().all(|&i| constant[i]);
-                    if fixed && k > last_moving {
+                    if fixed && Some(k) > last_moving {
                         break;
                     }
                     let mut q = p.clone();
@@ -293,7 +291,7 @@ impl Blocks {
             last = next;
         }
         let mut columns: Vec<Column> = columns.into_iter().map(Column::Product).collect();
-        columns.extend(last_functions(functions, most));
+        columns.extend((0..functions.len().min(most)).map(Column::Function));
         Ansatz { atoms, functions: functions.to_vec(), columns }
     }
 
@@ -302,11 +300,6 @@ impl Blocks {
         let symbols = pool.symbols_of(&[e]);
         !self.moving.iter().any(|&x| matches!(pool.node(x), Node::Sym(s) if symbols.contains(&s)))
     }
-}
-
-/// The columns of functions on their own.
-fn last_functions(functions: &[Expr], most: usize) -> Vec<Column> {
-    (0..functions.len().min(most)).map(Column::Function).collect()
 }
 
 /// The states.
