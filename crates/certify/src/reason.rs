@@ -56,7 +56,7 @@ pub enum CertificateReason {
     NotConfirmed,
     /// Too many monomials for the semidefinite program.
     TooLarge,
-    /// Out of time, or stopped.
+    /// Out of time or memory, or stopped.
     OutOfTime,
     /// Inputs and outputs differ in number, or there are none.
     NoPorts {

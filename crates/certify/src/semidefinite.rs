@@ -49,7 +49,7 @@ pub(crate) struct Limit {
 
 impl Limit {
     pub(crate) fn is_reached(&self) -> bool {
-        self.stop.is_raised() || self.deadline.is_some_and(|d| Instant::now() >= d)
+        self.stop.is_raised() || self.stop.is_out_of_memory() || self.deadline.is_some_and(|d| Instant::now() >= d)
     }
 }
 

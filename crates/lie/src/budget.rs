@@ -15,8 +15,8 @@ fn check(pool: &Pool, first: usize, coming: usize, nodes: usize) -> Result<(), U
     if pool.stop_flag().is_raised() {
         return Err(Undecided::Stopped);
     }
-    if pool.is_late() {
-        return Err(bracketry_symbolic::Undecided::TimeLimit.into());
+    if let Some(limit) = pool.reached_limit() {
+        return Err(limit.into());
     }
     if pool.len() + coming > first + nodes { Err(Undecided::TooLarge { nodes }) } else { Ok(()) }
 }
@@ -43,8 +43,8 @@ pub(crate) fn check_analysis(pool: &Pool, first: usize) -> Result<(), Undecided>
     if pool.stop_flag().is_raised() {
         return Err(Undecided::Stopped);
     }
-    if pool.is_late() {
-        return Err(bracketry_symbolic::Undecided::TimeLimit.into());
+    if let Some(limit) = pool.reached_limit() {
+        return Err(limit.into());
     }
     let nodes = MAX_ANALYSIS_NODES;
     if pool.made() > first + nodes { Err(Undecided::TooLarge { nodes }) } else { Ok(()) }

@@ -21,7 +21,7 @@ fn reason(why: GlobalReason) -> &'static str {
     match why {
         GlobalReason::NotRational => "the equations are not rational",
         GlobalReason::TooLarge => "the polynomial equations are too large",
-        GlobalReason::Time => "time limit reached (--time-limit SECONDS)",
+        GlobalReason::Time => "time or memory limit reached (--time-limit, --memory-limit)",
         GlobalReason::MoreDerivatives => {
             "there are several solutions, but further derivatives may exclude some, because inputs are unknown or \
              initial values are special"

@@ -35,6 +35,6 @@ impl Problem {
 
     /// Whether time is up or somebody asked to stop.
     pub(crate) fn is_over(&self) -> bool {
-        self.stop().is_raised() || self.deadline.is_some_and(|d| Instant::now() >= d)
+        self.stop().is_raised() || self.stop().is_out_of_memory() || self.deadline.is_some_and(|d| Instant::now() >= d)
     }
 }

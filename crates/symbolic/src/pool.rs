@@ -7,6 +7,7 @@ use dashu_ratio::RBig;
 use hashbrown::HashTable;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
+use crate::exact::Undecided;
 use crate::func::{Func, Func2};
 use crate::stop_flag::StopFlag;
 
@@ -199,15 +200,19 @@ impl Pool {
         self.deadline
     }
 
-    /// From `deadline` on, exact decisions are [undecided](crate::Undecided::TimeLimit), and expressions are left as they
+    /// From `deadline` on, exact decisions are [undecided](Undecided::TimeLimit), and expressions are left as they
     /// are instead of being simplified. Clones of the pool have the same deadline.
     pub fn set_deadline(&mut self, deadline: Option<Instant>) {
         self.deadline = deadline;
     }
 
-    /// Whether the deadline has passed.
-    pub fn is_late(&self) -> bool {
-        self.deadline.is_some_and(|end| Instant::now() >= end)
+    /// The limit that work in this pool has reached, if any: its [deadline](Self::set_deadline), or the memory of which its
+    /// [flag](StopFlag::memory_runs_out) tells.
+    pub fn reached_limit(&self) -> Option<Undecided> {
+        if self.stop.is_out_of_memory() {
+            return Some(Undecided::MemoryLimit);
+        }
+        self.deadline.is_some_and(|end| Instant::now() >= end).then_some(Undecided::TimeLimit)
     }
 
     /// Number of distinct nodes made so far.

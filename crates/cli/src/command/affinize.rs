@@ -8,8 +8,10 @@ use bracketry::system::{Candidate, System};
 use clap::Args;
 use serde_json::json as object;
 
+use super::limits::TimeLimit;
 use super::output::{folder, json, line, print, write};
-use super::{Outcome, OutputArgs};
+use super::style::warning;
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
@@ -26,13 +28,24 @@ pub(crate) struct AffinizeArgs {
     /// Use the listed candidate with this number instead of the one that adds the fewest states
     #[arg(long, allow_negative_numbers = true, value_name = "K")]
     candidate: Option<usize>,
+    #[command(flatten)]
+    pub(crate) time_limit: TimeLimit,
 }
 
 /// Writes the affine model as a model file, below a list of all candidates.
-pub(crate) fn affinize(args: &AffinizeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn affinize(args: &AffinizeArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let path = args.model.display().to_string();
-    let system = System::read(&args.model)?;
-    let affinization = system.affinize().with_context(|| path.clone())?;
+    let mut system = output.limits.read(&args.model)?;
+    system.pool.set_deadline(output.limits.deadline());
+    let mut affinization = system.affinize().with_context(|| path.clone())?;
+    // Of what is printed nothing is to be left out.
+    let unlimited = affinization.candidates.iter_mut().filter_map(|c| c.system.as_mut());
+    for made in unlimited.chain([&mut affinization.system]) {
+        made.pool.set_deadline(None);
+    }
+    if system.pool.reached_limit().is_some() {
+        warning("time or memory limit reached: expressions may not be simplified (--time-limit, --memory-limit)");
+    }
     let report = AffinizationReport::new(&affinization, None);
     let candidate = args.candidate.map(|k| numbered(&affinization.candidates, k).context(path)).transpose()?;
     let chosen = candidate.map_or(&affinization.system, |c| c.1);

@@ -1,7 +1,6 @@
 //! `bracketry analyze`.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::Analysis;
@@ -16,9 +15,10 @@ use bracketry::report::parameters::{
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
+use super::limits::TimeLimit;
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 7] = [
@@ -67,9 +67,8 @@ pub(crate) struct AnalyzeArgs {
     /// repeated
     #[arg(long, value_name = "EXPR")]
     determines: Vec<String>,
-    /// Stop after this many seconds; what is undecided by then is reported as unknown
-    #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = time_limit)]
-    time_limit: Duration,
+    #[command(flatten)]
+    pub(crate) time_limit: TimeLimit,
     /// Parameters whose values are left open, or "symbolic" for all: at which of their values do the verdicts change?
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
@@ -101,7 +100,7 @@ pub(crate) struct AnalyzeArgs {
 }
 
 impl AnalyzeArgs {
-    fn format(&self, output: &OutputArgs) -> Format {
+    fn format(&self, output: &CommonArgs) -> Format {
         match (output.json, self.markdown) {
             (true, _) => Format::Json,
             (_, true) => Format::Markdown,
@@ -110,15 +109,9 @@ impl AnalyzeArgs {
     }
 }
 
-/// A number of seconds, zero or more.
-pub(crate) fn time_limit(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text.parse().map_err(|_| "not a number of seconds".to_owned())?;
-    Duration::try_from_secs_f64(seconds).map_err(|e| e.to_string())
-}
-
 /// Prints what the inputs of a model reach.
-pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let mut system = System::read(&args.model)?;
+pub(crate) fn analyze(args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    let mut system = output.limits.read(&args.model)?;
     if args.identifiability {
         return identifiable(&system, args, output);
     }
@@ -134,7 +127,7 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
     let options = AnalysisOptions {
         brackets: args.brackets.clone(),
         determined: args.determines.clone(),
-        time_limit: Some(args.time_limit),
+        time_limit: Some(args.time_limit.get()),
         ..AnalysisOptions::default()
     };
     let progress = spinner("brackets and ranks");
@@ -157,11 +150,11 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
 }
 
 /// Prints which parameters and initial states the outputs determine.
-fn identifiable(system: &System, args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn identifiable(system: &System, args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let options = IdentifiabilityOptions {
         known_initial: args.known_initial.clone(),
         unknown_inputs: args.unknown_inputs.clone(),
-        time_limit: Some(args.time_limit),
+        time_limit: Some(args.time_limit.get()),
         ..IdentifiabilityOptions::default()
     };
     let progress = spinner("power series and polynomial equations");
@@ -181,13 +174,13 @@ fn parameter_options(args: &AnalyzeArgs) -> anyhow::Result<ParameterOptions> {
     anyhow::ensure!(args.conditions > 0, "--conditions 0: give the number of conditions of a case, at least 1");
     Ok(ParameterOptions {
         conditions: args.conditions,
-        time_limit: Some(args.time_limit),
+        time_limit: Some(args.time_limit.get()),
         ..ParameterOptions::default()
     })
 }
 
 /// Prints for which values of parameters the verdicts change.
-fn cases(system: &System, names: &str, args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn cases(system: &System, names: &str, args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let mut options = parameter_options(args)?;
     if !["symbolic", "all"].contains(&names) {
         options.parameters = names.split(',').map(|s| s.trim().to_owned()).collect();
@@ -206,7 +199,7 @@ fn cases(system: &System, names: &str, args: &AnalyzeArgs, output: &OutputArgs) 
 }
 
 /// Prints verdicts over two parameters, and draws them.
-fn cells(system: &System, map: &str, args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn cells(system: &System, map: &str, args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let ranges = ParameterRange::two(map).context("--map")?;
     let progress = spinner("cells of the map");
     let found = parameter_map(system, &ranges, args.cells, &parameter_options(args)?)

@@ -1,7 +1,6 @@
 //! `bracketry certify`.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::certify::{Certificate, Certification, CertifyOptions, Find, certify, check, portrait, with_feedback};
@@ -10,8 +9,9 @@ use bracketry::system::{System, point};
 use clap::{Args, ValueEnum};
 use serde_json::json as object;
 
+use super::limits::{Limits, TimeLimit};
 use super::output::{figure, folder, json, line, print, write};
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -55,9 +55,8 @@ pub(crate) struct CertifyArgs {
     /// Largest degree of the functions
     #[arg(long, default_value_t = 4, value_name = "2|4")]
     degree: u32,
-    /// Stop after this many seconds; what is undecided by then is reported as unknown
-    #[arg(long, default_value_t = 120.0, value_name = "S")]
-    time_limit: f64,
+    #[command(flatten)]
+    pub(crate) time_limit: TimeLimit,
     /// The two states of the figure, the first two by default
     #[arg(long, value_name = "STATE,STATE", value_delimiter = ',')]
     axes: Vec<String>,
@@ -68,8 +67,8 @@ pub(crate) struct CertifyArgs {
 
 impl CertifyArgs {
     /// The model at its point, with the loop closed.
-    fn system(&self) -> anyhow::Result<System> {
-        let mut system = System::read(&self.model)?;
+    fn system(&self, limits: &Limits) -> anyhow::Result<System> {
+        let mut system = limits.read(&self.model)?;
         if let Some(at) = &self.at {
             system.point = Some(point(&mut system, at).with_context(|| format!("--at {at}"))?);
         }
@@ -78,11 +77,6 @@ impl CertifyArgs {
     }
 
     fn options(&self, system: &System) -> anyhow::Result<CertifyOptions> {
-        anyhow::ensure!(
-            self.time_limit.is_finite() && self.time_limit > 0.0 && self.time_limit < 1e9,
-            "--time-limit {}: give a positive number of seconds",
-            self.time_limit
-        );
         let ports = !system.inputs.is_empty() && system.inputs.len() == system.outputs.len();
         let mut find = Vec::new();
         for sought in &self.find {
@@ -97,7 +91,7 @@ impl CertifyArgs {
                 }
             }
         }
-        let time_limit = Some(Duration::from_secs_f64(self.time_limit));
+        let time_limit = Some(self.time_limit.get());
         Ok(CertifyOptions { find, degree: self.degree, time_limit, ..CertifyOptions::default() })
     }
 
@@ -120,8 +114,8 @@ impl CertifyArgs {
 }
 
 /// Prints what is proved; with --out, also the certificates as files and the picture of a region.
-pub(crate) fn run(args: &CertifyArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let system = args.system()?;
+pub(crate) fn run(args: &CertifyArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    let system = args.system(&output.limits)?;
     if let Some(path) = &args.check {
         return check_file(&system, path, output);
     }
@@ -170,7 +164,7 @@ fn files(found: &Certification, dir: &Path) -> anyhow::Result<Vec<String>> {
     Ok(names)
 }
 
-fn check_file(system: &System, path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn check_file(system: &System, path: &Path, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let place = || path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", place()))?;
     let certificate: Certificate = serde_json::from_str(&text).with_context(|| {

@@ -12,7 +12,7 @@ use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::seed::seed;
 use super::style::warning;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -54,7 +54,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 /// Runs the loop and writes what it gave.
-pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &ControlArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let progress = spinner("reading and building the problem");
     let mut problem = ControlProblem::read(&args.problem)?;
     if let Some(seed) = args.seed {
@@ -109,7 +109,7 @@ pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Out
 const KEPT: usize = 1_000_000;
 
 /// Answers the measurements of a peer on standard input and output.
-fn control_live(mut controller: LiveController, args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn control_live(mut controller: LiveController, args: &ControlArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     if let Some(dir) = &output.out {
         folder(dir)?;
         controller.keep_log(KEPT);

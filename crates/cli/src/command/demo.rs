@@ -11,7 +11,7 @@ use super::output::{self, csv, figure, json, write};
 use super::own_folder::OwnFolder;
 use super::progress::spinner;
 use super::seed::seed;
-use super::{Outcome, OutputArgs, analyze};
+use super::{CommonArgs, Outcome, analyze};
 
 /// Distance of the rows of the trajectories on the published equations (s), and of those on the true plant (ms).
 const CSV_STEP: f64 = 5e-3;
@@ -35,7 +35,7 @@ pub(crate) struct DemoArgs {
 }
 
 /// Runs everything and writes the results into a folder of its own, chapter by chapter.
-pub(crate) fn run(args: &DemoArgs, options: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &DemoArgs, options: &CommonArgs) -> anyhow::Result<Outcome> {
     let out = options.out.clone().unwrap_or_else(|| PathBuf::from("out/demo"));
     let own = OwnFolder::open(&out)?;
     let progress = spinner("");

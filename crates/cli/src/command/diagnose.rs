@@ -18,7 +18,7 @@ use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::seed::seed;
 use super::simulate::HoldArg;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 4] = [
@@ -86,7 +86,7 @@ fn renaming(text: &str) -> Result<(String, String), String> {
 }
 
 /// Reads, diagnoses, and writes what was found.
-pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let system = System::read(&args.model)?;
     system.check_denominators().with_context(|| args.model.display().to_string())?;
     let reading = RecordSettings {

@@ -9,7 +9,7 @@ use bracketry::system::System;
 use clap::Args;
 
 use super::output::{folder, json, print, write};
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -39,7 +39,7 @@ pub(crate) struct ExportArgs {
 }
 
 /// Prints the source, or writes its files into a folder and prints what they hold.
-pub(crate) fn run(args: &ExportArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &ExportArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let system = System::read(&args.model)?;
     let options = ExportOptions {
         target: args.language,

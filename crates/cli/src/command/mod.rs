@@ -14,6 +14,7 @@ mod diagnose;
 mod export;
 mod file_kind;
 mod help;
+mod limits;
 mod live;
 mod new;
 mod operating_point;
@@ -31,7 +32,8 @@ mod transform;
 
 use file_kind::{FileKind, Given};
 use help::{EXIT_CODES, UNITS, WRITTEN, examples, guide};
-pub(crate) use output::{Outcome, OutputArgs};
+use limits::{Limits, TimeLimit};
+pub(crate) use output::{CommonArgs, Outcome};
 use stiffness::StiffnessCommand;
 
 /// What can my inputs reach, how do I get there, and where are the equations wrong?
@@ -48,7 +50,7 @@ pub(crate) struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    output: OutputArgs,
+    output: CommonArgs,
 }
 
 const FIRST_STEPS: [(&str, &str); 6] = [
@@ -163,6 +165,20 @@ enum Command {
 }
 
 impl Command {
+    /// The time limit of a command that has one.
+    fn time_limit(&self) -> Option<TimeLimit> {
+        match self {
+            Self::Analyze(args) => Some(args.time_limit),
+            Self::Affinize(args) => Some(args.time_limit),
+            Self::Trim(args) => Some(args.time_limit),
+            Self::Linearize(args) => Some(args.time_limit),
+            Self::Certify(args) => Some(args.time_limit),
+            Self::Transform(args) => Some(args.time_limit),
+            Self::Steer(args) => Some(args.time_limit),
+            _ => None,
+        }
+    }
+
     /// The files that are read, with what they are to be.
     fn files(&self) -> Vec<Given> {
         match self {
@@ -209,7 +225,8 @@ pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli
 /// # Errors
 /// Bad input: a file or an option, with place and remedy.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
-    let output = cli.output;
+    let mut output = cli.output;
+    output.limits = Limits::watch(output.memory_limit, cli.command.as_ref().and_then(Command::time_limit));
     let files = cli.command.as_ref().map(Command::files).unwrap_or_default();
     let result = match cli.command {
         None => {

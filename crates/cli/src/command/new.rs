@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use serde_json::json as object;
 
 use super::output::{folder, json, line, print};
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
@@ -77,7 +77,7 @@ pub(crate) struct NewArgs {
 const NAME: &str = "@NAME@";
 
 /// Writes model, scenario, and problem.
-pub(crate) fn run(args: &NewArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &NewArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let name = checked(&args.name)?;
     let dir = output.out.clone().unwrap_or_default();
     let files: Vec<PathBuf> =

@@ -10,9 +10,10 @@ use bracketry::system::{System, point};
 use clap::Args;
 use serde_json::json as object;
 
+use super::limits::TimeLimit;
 use super::output::{folder, json, line, print, write};
 use super::seed::seed;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help of `trim`.
 pub(crate) const TRIM_EXAMPLES: [(&str, &str); 2] = [
@@ -89,11 +90,14 @@ pub(crate) struct TrimArgs {
     pub(crate) model: PathBuf,
     #[command(flatten)]
     point: PointArgs,
+    #[command(flatten)]
+    pub(crate) time_limit: TimeLimit,
 }
 
 /// Prints an operating point; with --out, also the model at that point.
-pub(crate) fn trim(args: &TrimArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let mut system = System::read(&args.model)?;
+pub(crate) fn trim(args: &TrimArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    let mut system = output.limits.read(&args.model)?;
+    system.pool.set_deadline(output.limits.deadline());
     let found = args.point.search(&mut system).with_context(|| args.model.display().to_string())?;
     let text = trim_text(&system.name, &found);
     let value = trim_json(&system.name, &found);
@@ -124,6 +128,8 @@ pub(crate) struct LinearizeArgs {
     trim: bool,
     #[command(flatten)]
     point: PointArgs,
+    #[command(flatten)]
+    pub(crate) time_limit: TimeLimit,
     /// Weights of the states in the regulator, one for all or one each
     #[arg(long, value_name = "Q,…", value_delimiter = ',', allow_negative_numbers = true)]
     state_weights: Vec<f64>,
@@ -142,9 +148,10 @@ pub(crate) struct LinearizeArgs {
 }
 
 /// Prints the linear system around a point and what it tells.
-pub(crate) fn linearize(args: &LinearizeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn linearize(args: &LinearizeArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let path = args.model.display().to_string();
-    let mut system = System::read(&args.model)?;
+    let mut system = output.limits.read(&args.model)?;
+    system.pool.set_deadline(output.limits.deadline());
     if let Some(horizon) = args.horizon {
         anyhow::ensure!(horizon.is_finite() && horizon > 0.0, "--horizon {horizon}: give a positive number of seconds");
     }

@@ -9,6 +9,7 @@ use bracketry::plot::{Drawing, PlotError};
 use clap::Args;
 use serde::Serialize;
 
+use super::limits::{self, Limits};
 use super::style::warning;
 
 /// How a command ended; bad input is an error instead.
@@ -20,15 +21,21 @@ pub(crate) enum Outcome {
     Negative,
 }
 
-/// Where results go.
+/// What every command takes: where results go, and its memory.
 #[derive(Args, Clone)]
-pub(crate) struct OutputArgs {
+pub(crate) struct CommonArgs {
     /// Print one JSON object instead of the human-readable report
     #[arg(long, global = true, display_order = 1001)]
     pub(crate) json: bool,
     /// Folder for files and plots
     #[arg(long, global = true, display_order = 1000, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
     pub(crate) out: Option<PathBuf>,
+    /// Stop before the process takes more memory than this, such as 4GB [default: half of the memory of the machine]
+    #[arg(long, global = true, display_order = 1002, value_name = "SIZE", value_parser = limits::bytes)]
+    pub(crate) memory_limit: Option<u64>,
+    /// The limits of the command that runs.
+    #[arg(skip)]
+    pub(crate) limits: Limits,
 }
 
 /// Writes to standard output at once. A reader that has gone away is an error like any other, not a panic.

@@ -8,7 +8,7 @@ use clap_complete::Shell;
 use clap_mangen::Man;
 
 use super::output::{folder, line, print};
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const COMPLETION_EXAMPLES: [(&str, &str); 3] = [
@@ -42,7 +42,7 @@ pub(crate) struct ManArgs {
 pub(crate) fn completions(
     args: &CompletionsArgs,
     root: &mut clap::Command,
-    output: &OutputArgs,
+    output: &CommonArgs,
 ) -> anyhow::Result<Outcome> {
     no_json(output, "completions prints a script for a shell")?;
     let mut script = Vec::new();
@@ -52,7 +52,7 @@ pub(crate) fn completions(
 }
 
 /// Prints a manual page of the whole command line, or writes all of them.
-pub(crate) fn man(args: &ManArgs, mut root: clap::Command, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn man(args: &ManArgs, mut root: clap::Command, output: &CommonArgs) -> anyhow::Result<Outcome> {
     no_json(output, "manual pages are not data")?;
     // From here on, names and usage of nested commands include those of their parents.
     root.build();
@@ -82,7 +82,7 @@ pub(crate) fn man(args: &ManArgs, mut root: clap::Command, output: &OutputArgs) 
     Ok(Outcome::Done)
 }
 
-fn no_json(output: &OutputArgs, why: &str) -> anyhow::Result<()> {
+fn no_json(output: &CommonArgs, why: &str) -> anyhow::Result<()> {
     anyhow::ensure!(!output.json, "--json: {why}; omit it");
     Ok(())
 }

@@ -12,7 +12,7 @@ use super::file_kind::{FileKind, Given};
 use super::output::{csv, figure, folder, json, line, print};
 use super::progress::spinner;
 use super::seed::seed;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// How samples continue.
 #[derive(Clone, Copy, ValueEnum)]
@@ -75,7 +75,7 @@ impl SimulateArgs {
 }
 
 /// Runs the simulation and writes what it gave.
-pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &SimulateArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let system = System::read_accepting(&args.model, Accepted { discrete: true, algebraic: true })?;
     let given = match (&args.scenario, &args.inputs) {
         (Some(path), _) => {

@@ -1,7 +1,6 @@
 //! `bracketry steer`: an input that moves a model from one state to another.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::report::steering::{
@@ -9,13 +8,13 @@ use bracketry::report::steering::{
     steering_trajectory,
 };
 use bracketry::steer::{SteerMethod, SteerOptions, SteerStatus, Steering, own_inputs, steer};
-use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
+use super::limits::TimeLimit;
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::seed::seed;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -57,24 +56,18 @@ pub(crate) struct SteerArgs {
     /// How the inputs are found
     #[arg(long, value_enum, default_value = "auto")]
     method: MethodArg,
-    /// Try no further plan after this many seconds
-    #[arg(long, value_name = "S", default_value_t = 120.0, allow_negative_numbers = true)]
-    time_limit: f64,
+    #[command(flatten)]
+    pub(crate) time_limit: TimeLimit,
     /// Seed of random waypoints and initial guesses
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 1, value_parser = seed)]
     seed: u64,
 }
 
 /// Finds the inputs, prints the report, and writes the files.
-pub(crate) fn run(args: &SteerArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &SteerArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let path = args.model.display().to_string();
-    let given = System::read(&args.model)?;
+    let given = output.limits.read(&args.model)?;
     let mut system = own_inputs(&given).with_context(|| path.clone())?;
-    anyhow::ensure!(
-        args.time_limit.is_finite() && args.time_limit > 0.0,
-        "--time-limit {}: give a positive number of seconds",
-        args.time_limit
-    );
     let method = match args.method {
         MethodArg::Auto => None,
         MethodArg::Chained => Some(SteerMethod::Chained),
@@ -85,7 +78,7 @@ pub(crate) fn run(args: &SteerArgs, output: &OutputArgs) -> anyhow::Result<Outco
     let options = SteerOptions {
         duration: args.duration,
         method,
-        time_limit: Some(Duration::from_secs_f64(args.time_limit.min(1e6))),
+        time_limit: Some(args.time_limit.get()),
         seed: args.seed,
         ..SteerOptions::named(&mut system, args.from.as_deref(), &args.to)?
     };

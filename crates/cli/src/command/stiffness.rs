@@ -16,7 +16,7 @@ use super::help::{EXIT_CODES, guide};
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::style::warning;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
@@ -137,7 +137,7 @@ fn process_stiffness(text: &str) -> Result<f64, String> {
 }
 
 /// Runs a command of `stiffness`.
-pub(crate) fn run(command: &StiffnessCommand, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(command: &StiffnessCommand, output: &CommonArgs) -> anyhow::Result<Outcome> {
     match command {
         StiffnessCommand::Identify { files, keep_outliers } => {
             let (data, robot) = files.sorted()?;
@@ -167,7 +167,7 @@ pub(crate) fn run(command: &StiffnessCommand, output: &OutputArgs) -> anyhow::Re
     }
 }
 
-fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let file = RobotFile::read(robot)?;
     let progress = spinner("identifying");
     let found = Identification::new(&file, data, outliers)?;
@@ -200,7 +200,7 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &OutputArgs) 
     Ok(if found.springs.is_none() && found.cartesian.is_none() { Outcome::Negative } else { Outcome::Done })
 }
 
-fn poses(candidates: &Path, robot: &Path, count: usize, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn poses(candidates: &Path, robot: &Path, count: usize, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let file = RobotFile::read(robot)?;
     let progress = spinner("choosing");
     let found = ChosenPoses::new(&file, candidates, count)?;
@@ -218,7 +218,7 @@ fn poses(candidates: &Path, robot: &Path, count: usize, output: &OutputArgs) -> 
     Ok(if found.identifies_all() { Outcome::Done } else { Outcome::Negative })
 }
 
-fn weigh(readings: &Path, robot: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn weigh(readings: &Path, robot: &Path, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let found = Weighing::new(&RobotFile::read(robot)?, readings)?;
     if let Some(dir) = &output.out {
         folder(dir)?;
@@ -231,7 +231,7 @@ fn weigh(readings: &Path, robot: &Path, output: &OutputArgs) -> anyhow::Result<O
 }
 
 /// Prints a report, and what `--out` has written or would write.
-fn report(text: &str, object: &impl Serialize, output: &OutputArgs, files: &str) -> anyhow::Result<()> {
+fn report(text: &str, object: &impl Serialize, output: &CommonArgs, files: &str) -> anyhow::Result<()> {
     if output.json {
         return print(&json(object)?);
     }
@@ -242,7 +242,7 @@ fn report(text: &str, object: &impl Serialize, output: &OutputArgs, files: &str)
     }
 }
 
-fn compensate(log: &Path, robot: &Path, process: Option<[f64; 3]>, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn compensate(log: &Path, robot: &Path, process: Option<[f64; 3]>, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let file = RobotFile::read(robot)?;
     let progress = spinner("compensating");
     let run = CompensatedLog::new(&file, &RobotLog::read(log, &file.robot)?, process)?;

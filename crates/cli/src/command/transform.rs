@@ -1,18 +1,17 @@
 //! `bracketry transform`.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::lie::forms::{Form, NormalForm, TransformOptions, Transformation};
 use bracketry::lie::transform as transformed;
 use bracketry::report::forms::{part_text, transformation_json, transformation_model, transformation_text};
-use bracketry::system::System;
 use clap::Args;
 
+use super::limits::TimeLimit;
 use super::output::{folder, json, print, write};
 use super::progress::spinner;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -45,18 +44,17 @@ pub(crate) struct TransformArgs {
     /// Output for the form; by default all outputs of the model; may be repeated
     #[arg(long = "output", value_name = "NAME", value_delimiter = ',')]
     outputs: Vec<String>,
-    /// Stop the search after this many seconds
-    #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = super::analyze::time_limit)]
-    time_limit: Duration,
+    #[command(flatten)]
+    pub(crate) time_limit: TimeLimit,
 }
 
 /// Prints the model in another form, with the change, its inverse, and the feedback as comments.
-pub(crate) fn transform(args: &TransformArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let mut system = System::read(&args.model)?;
+pub(crate) fn transform(args: &TransformArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    let mut system = output.limits.read(&args.model)?;
     if let Some(at) = &args.at {
         system.point = Some(bracketry::point(&mut system, at).context("--at")?);
     }
-    let options = TransformOptions { outputs: args.outputs.clone(), time_limit: Some(args.time_limit) };
+    let options = TransformOptions { outputs: args.outputs.clone(), time_limit: Some(args.time_limit.get()) };
     let progress = spinner(args.to.name());
     let result = transformed(&system, args.to, &options).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();

@@ -16,6 +16,7 @@ mod export;
 mod front_door;
 mod getting_started;
 mod implicit_models;
+mod limits;
 mod live;
 mod mistakes;
 mod operating_point;

@@ -203,8 +203,8 @@ impl Frame {
             match self.is_zero(e) {
                 Ok(Some(always)) => general &= always,
                 Ok(None) | Err(Undecided::Exact(_)) => {
-                    if self.system.pool.is_late() {
-                        return Err(Undecided::from(bracketry_symbolic::Undecided::TimeLimit).into());
+                    if let Some(limit) = self.system.pool.reached_limit() {
+                        return Err(Undecided::from(limit).into());
                     }
                     return Ok(Err(k));
                 }

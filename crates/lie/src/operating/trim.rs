@@ -92,6 +92,13 @@ pub enum TrimNote {
         /// The switching function.
         name: String,
     },
+    /// The search ended at its time or memory limit.
+    Limit {
+        /// Starts that were tried.
+        tried: usize,
+        /// Starts that were to be tried.
+        starts: usize,
+    },
     /// The equations use the derivative of an input, which is 0 here.
     Derivative {
         /// The input.
@@ -179,7 +186,8 @@ const SAME: f64 = 1e-5;
 const MAX_OTHERS: usize = 8;
 
 /// Searches an operating point: values of the free states and inputs at which the derivatives of all states (but those that
-/// may move) vanish, by Levenberg–Marquardt iterations from the model's point and from random ones.
+/// may move) vanish, by Levenberg–Marquardt iterations from the model's point and from random ones, up to the
+/// [limits](Pool::reached_limit) of the system's pool.
 ///
 /// # Errors
 /// [`TrimError`] for names that the model does not have.
@@ -190,12 +198,17 @@ pub fn trim(system: &System, options: &TrimOptions) -> Result<Trim, TrimError> {
     let limits = search.equations.limits.clone();
     let free_of_limits = vec![[f64::NEG_INFINITY, f64::INFINITY]; limits.len()];
     let mut best: Option<Found> = None;
+    let mut limit = None;
     for inside in [true, false] {
         search.equations.limits = if inside { limits.clone() } else { free_of_limits.clone() };
         if !inside && limits == free_of_limits {
             break;
         }
-        for start in &starts {
+        for (tried, start) in starts.iter().enumerate() {
+            if tried > 0 && system.pool.reached_limit().is_some() {
+                limit = Some(TrimNote::Limit { tried, starts: starts.len() });
+                break;
+            }
             let end = solve(&mut search.equations, start);
             if end.solved && search.is_solution(&end) {
                 if found.iter().all(|f| (&f.z - &end.z).amax() > SAME * (1.0 + end.z.amax())) {
@@ -211,11 +224,14 @@ pub fn trim(system: &System, options: &TrimOptions) -> Result<Trim, TrimError> {
         }
         if !found.is_empty() {
             let status = if inside { TrimStatus::Found } else { TrimStatus::OutOfRange };
-            return Ok(search.finished(status, found));
+            return Ok(search.finished(status, found, limit));
+        }
+        if limit.is_some() {
+            break;
         }
     }
     let best = best.unwrap_or_else(|| solve(&mut search.equations, &starts[0]));
-    Ok(search.finished(TrimStatus::NotFound, vec![best]))
+    Ok(search.finished(TrimStatus::NotFound, vec![best], limit))
 }
 
 struct Search<'a> {
@@ -308,9 +324,9 @@ impl<'a> Search<'a> {
         starts
     }
 
-    fn finished(mut self, status: TrimStatus, mut found: Vec<Found>) -> Trim {
+    fn finished(mut self, status: TrimStatus, mut found: Vec<Found>, limit: Option<TrimNote>) -> Trim {
         let first = self.values_of_free(&self.start);
-        let mut notes = Vec::new();
+        let mut notes: Vec<TrimNote> = limit.into_iter().collect();
         let mut chosen = found.swap_remove(0);
         let open = self.free.len() - chosen.rank;
         let solved = status != TrimStatus::NotFound;

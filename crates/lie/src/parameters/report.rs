@@ -71,7 +71,7 @@ pub enum Incomplete {
         /// Why.
         reason: String,
     },
-    /// The time limit.
+    /// The time limit, or the memory limit.
     Time,
 }
 

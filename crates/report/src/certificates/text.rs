@@ -49,7 +49,7 @@ pub(super) fn reason(why: &CertificateReason) -> String {
         CertificateReason::TooLarge => {
             "too many monomials for the semidefinite program: use --degree 2 or a model with fewer states".to_owned()
         }
-        CertificateReason::OutOfTime => "time limit reached (undecided): raise --time-limit".to_owned(),
+        CertificateReason::OutOfTime => "time or memory limit reached (undecided): raise --time-limit or --memory-limit".to_owned(),
         CertificateReason::NoPorts { inputs, outputs } => format!(
             "passivity needs as many outputs as inputs, at least one: the model has {inputs} inputs without feedback and {outputs} outputs"
         ),

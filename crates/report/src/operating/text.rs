@@ -28,6 +28,11 @@ pub(super) fn note(n: &TrimNote) -> String {
             "{name} is 0 here, where the equations jump or have a kink: sign(0) is taken as 0; with dry friction, \
              nearby points are at rest too"
         ),
+        TrimNote::Limit { tried, starts } => {
+            format!(
+                "time or memory limit reached: {tried} of {starts} starts were tried (--time-limit, --memory-limit)"
+            )
+        }
         TrimNote::Derivative { input } => format!("derivatives of {input} are 0 here"),
     }
 }

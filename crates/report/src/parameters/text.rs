@@ -55,7 +55,7 @@ fn open(why: &Incomplete, conditions: usize) -> String {
             format!("more than {conditions} simultaneous conditions were not examined (--conditions N)")
         }
         Incomplete::Undecided { reason } => format!("a set of parameters is undecided: {reason}"),
-        Incomplete::Time => "time limit reached (--time-limit SECONDS)".to_owned(),
+        Incomplete::Time => "time or memory limit reached (--time-limit, --memory-limit)".to_owned(),
     }
 }
 

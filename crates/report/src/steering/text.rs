@@ -58,7 +58,7 @@ pub(super) fn reason(reason: &SteerReason) -> String {
         }
         SteerReason::EndError { .. } => "no motion was found that can be simulated to its end".to_owned(),
         SteerReason::Undecided(why) => why.to_string(),
-        SteerReason::Stopped => "the time limit was reached".to_owned(),
+        SteerReason::Stopped => "the time or memory limit was reached".to_owned(),
     }
 }
 

@@ -58,7 +58,7 @@ impl Pool {
     /// assert_eq!(p.text(s), "x*y + m");
     /// ```
     pub fn simplify(&mut self, e: Expr) -> Expr {
-        if self.is_late() {
+        if self.reached_limit().is_some() {
             return e;
         }
         let mut now = e;

@@ -44,7 +44,7 @@ impl Pool {
             return None;
         }
         for (attempt, bits) in BITS.into_iter().enumerate() {
-            if self.is_late() {
+            if self.reached_limit().is_some() {
                 return None;
             }
             match Interval::of_constant(self, &nodes, bindings, bits) {

@@ -156,6 +156,9 @@ pub enum Undecided {
     /// The [deadline](Pool::set_deadline) of the pool has passed.
     #[error("not decided within the time limit")]
     TimeLimit,
+    /// The flag of the pool tells that [memory runs out](crate::StopFlag::memory_runs_out).
+    #[error("not decided within the memory limit")]
+    MemoryLimit,
     /// Too many related functions.
     #[error("not decided because too many functions are related to each other")]
     TooComplex,
@@ -346,8 +349,8 @@ impl Pool {
         (points, seed): (Option<usize>, u64),
         start: &[Residue<C>],
     ) -> Result<(Samples<C>, Vec<Generated<C>>), Stop> {
-        if self.is_late() {
-            return Err(Undecided::TimeLimit.into());
+        if let Some(limit) = self.reached_limit() {
+            return Err(limit.into());
         }
         let Lowered { program, first, outputs, exact, ambiguous, conditions, extension } =
             lower::<C>(self, first, roots, bindings)?;

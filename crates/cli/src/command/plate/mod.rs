@@ -13,7 +13,7 @@ use clap::{Args, ValueEnum};
 use super::file_kind::{FileKind, Given};
 use super::output::{folder, json, line, print};
 use super::progress::spinner;
-use super::{Outcome, OutputArgs};
+use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -160,7 +160,7 @@ fn is_file(what: &Path) -> bool {
 }
 
 /// Runs the experiment and writes what it gave.
-pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &PlateArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let scenario = args.scenario()?;
     let log = args.compare.as_deref().map(PlateLog::read).transpose()?;
     if args.motion == MotionArg::Log && log.is_none() {

@@ -8,7 +8,7 @@
 //! its minimal polynomial modulo the ideal, by a Gröbner basis modulo a prime. Variables that are not even locally
 //! determined are given values as far as they are independent, which changes no number of values of the others.
 
-use bracketry_symbolic::{Pool, Residue, SECOND_OFFSET, THIRD_OFFSET};
+use bracketry_symbolic::{Pool, Residue, SECOND_OFFSET, THIRD_OFFSET, Undecided as Exact};
 use serde::Serialize;
 
 use crate::observability::identifiability::groebner::{Basis, NoBasis, Work, distinct_roots};
@@ -30,7 +30,7 @@ pub enum GlobalReason {
     NotRational,
     /// The polynomial equations are too large.
     TooLarge,
-    /// The time limit.
+    /// The time limit, or the memory limit.
     Time,
     /// There are several solutions of the equations that were formed; more derivatives may exclude some, since inputs are
     /// unknown or initial values special.
@@ -49,7 +49,7 @@ pub(crate) struct Solutions<const C: u64> {
 impl Question {
     pub(crate) fn solutions<const C: u64>(&self, pool: &mut Pool, seed: u64) -> Result<Solutions<C>, GlobalReason> {
         let here = point::<C>(pool, self, &self.special, seed).map_err(|why| match why {
-            Undecided::Stopped | Undecided::Exact(bracketry_symbolic::Undecided::TimeLimit) => GlobalReason::Time,
+            Undecided::Stopped | Undecided::Exact(Exact::TimeLimit | Exact::MemoryLimit) => GlobalReason::Time,
             Undecided::Exact(why) if why.needs_other_prime() => GlobalReason::Primes,
             _ => GlobalReason::TooLarge,
         })?;
@@ -67,8 +67,8 @@ impl Question {
             NoEquations::TooLarge => GlobalReason::TooLarge,
         })?;
         let late = {
-            let (flag, deadline) = (pool.stop_flag().clone(), pool.deadline());
-            move || flag.is_raised() || deadline.is_some_and(|d| std::time::Instant::now() > d)
+            let pool = &*pool;
+            move || pool.stop_flag().is_raised() || pool.reached_limit().is_some()
         };
         let mut work = Work::new(MAX_PRODUCTS, &late);
         let no_basis = |why: NoBasis| match why {

@@ -85,8 +85,8 @@ pub(crate) fn point<'a, const C: u64>(
         if pool.stop_flag().is_raised() {
             return Err(Undecided::Stopped);
         }
-        if pool.is_late() {
-            return Err(bracketry_symbolic::Undecided::TimeLimit.into());
+        if let Some(limit) = pool.reached_limit() {
+            return Err(limit.into());
         }
         let rows: Vec<Vec<Residue<C>>> = series.rows().collect();
         for (row, height) in rows.into_iter().zip(&mut heights) {

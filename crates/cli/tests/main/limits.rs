@@ -1,0 +1,56 @@
+//! The limits of memory and time at the command line: what is undecided within them is unknown, and what does not end within them is
+//! ended, with exit code 1 and the option to raise.
+
+use crate::common::{bracketry, code, file, scratch, text};
+
+/// A linear system of n states in which each rate depends on all states.
+fn dense(n: usize) -> String {
+    let rate = |i: usize| {
+        let terms: Vec<String> =
+            (0..n).map(|j| format!("{}/{}*x{j}", (7 * i + 3 * j * j) % 19 + 1, (i + j) % 9 + 1)).collect();
+        format!("x{i} = '{} + {}*u'", terms.join(" + "), i % 7 + 1)
+    };
+    let names: Vec<String> = (0..n).map(|i| format!("'x{i}'")).collect();
+    let rates: Vec<String> = (0..n).map(rate).collect();
+    format!("states = [{}]\ninputs = ['u']\n[dynamics]\n{}\n", names.join(", "), rates.join("\n"))
+}
+
+#[test]
+fn beyond_its_memory_an_analysis_is_unknown_or_ends_and_names_the_option() {
+    let model = file(&scratch("memory_limit"), "dense.toml", &dense(50));
+    // Far below what any process takes: the process ends.
+    let o = bracketry(&["analyze", &model, "--memory-limit", "1MB"]);
+    let said = text(&o.stdout) + &text(&o.stderr);
+    assert!(code(&o) == 1 && said.contains("memory limit of 0.001 GB") && said.contains("--memory-limit"), "{said}");
+    // Enough for the model, less than its brackets take: a report, or the same end.
+    let o = bracketry(&["analyze", &model, "--memory-limit", "60MB"]);
+    let said = text(&o.stdout) + &text(&o.stderr);
+    assert!(code(&o) == 1 && said.contains("memory limit"), "{said}");
+}
+
+#[test]
+fn limits_are_a_size_with_a_unit_and_a_positive_time_for_every_command() {
+    let model = file(&scratch("bad_limits"), "dense.toml", &dense(2));
+    for size in ["3", "GB", "-1GB", "1XB", "nanGB", "1kB", "0GB"] {
+        let o = bracketry(&["analyze", &model, &format!("--memory-limit={size}")]);
+        assert!(code(&o) == 2 && text(&o.stderr).contains("give"), "{size}: {}", text(&o.stderr));
+    }
+    let commands: [&[&str]; 7] = [
+        &["analyze"],
+        &["affinize"],
+        &["trim"],
+        &["linearize"],
+        &["certify"],
+        &["transform", "--to", "kalman"],
+        &["steer", "--to", "x0=1"],
+    ];
+    for command in commands {
+        for time in ["0", "-1", "nan", "x"] {
+            let o = bracketry(&[command, &[&model, "--time-limit", time]].concat());
+            let said = text(&o.stderr);
+            assert!(code(&o) == 2 && said.contains("positive number of seconds"), "{command:?} {time}: {said}");
+        }
+        let o = bracketry(&[command, &[&model, "--time-limit", "1e30", "--memory-limit", "8GiB"]].concat());
+        assert_ne!(code(&o), 2, "{command:?}: {}", text(&o.stderr));
+    }
+}
