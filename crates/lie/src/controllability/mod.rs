@@ -5,6 +5,7 @@ pub(crate) mod brockett;
 pub(crate) mod canceled_switching;
 pub(crate) mod canceling_brackets;
 pub(crate) mod cone;
+pub(crate) mod consistency;
 pub(crate) mod decide;
 pub(crate) mod holding;
 pub(crate) mod impulses;
@@ -37,6 +38,7 @@ pub(crate) mod unbounded;
 pub(crate) mod uncontrollable;
 pub(crate) mod uninfluenced;
 
+pub use consistency::Contradiction;
 pub use input_values::{InputValues, Side};
 pub use involutive::InvolutiveClosureReport;
 pub use local_accessibility::LocalAccessibility;

@@ -12,6 +12,7 @@ use crate::answer::Answer;
 use crate::as_text::serialized_as_text;
 use crate::budget::release;
 use crate::controllability::brockett::brockett_condition;
+use crate::controllability::consistency::Statements;
 use crate::controllability::decide::decide;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::linearization::{Linearization, uncontrollable};
@@ -148,6 +149,7 @@ pub(crate) fn point_report(
         Ok(found) => found.decays.clone(),
         Err(why) => Answer::Unknown(why.clone()),
     });
+    let decays_known = decays.as_ref().and_then(Answer::known).copied();
     let stabilizable = linearization.as_ref().zip(rank).zip(decays).map(|((l, rank), decays)| {
         let generic = [all.dimension(), strong.dimension()];
         let (inputs, local, stlc, sides) = (&l.b[..], &local, &stlc, &sides[..]);
@@ -164,6 +166,21 @@ pub(crate) fn point_report(
         }
         _ => brockett_condition(pool, &frame, l, evidence),
     });
+    let statements = Statements {
+        states: n,
+        generic: [all.dimension(), strong.dimension()],
+        local: [local.dimension.known().copied(), local.strong_dimension.known().copied()],
+        rank,
+        restricted,
+        stlc: stlc.with_bounded_inputs(),
+        decays: decays_known,
+        stabilizable: stabilizable.as_ref().and_then(Answer::known).copied(),
+        brockett: brockett_condition.as_ref().and_then(Answer::known).copied(),
+    };
+    if let Some(contradiction) = statements.contradiction() {
+        debug_assert!(false, "{contradiction}");
+        return Ok(PointReport::undecided(contradiction.into()));
+    }
     Ok(PointReport {
         of: Subject::Model,
         epsilon: None,

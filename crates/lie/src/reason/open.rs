@@ -5,6 +5,7 @@ use std::fmt;
 use bracketry_symbolic::Function;
 
 use crate::as_text::serialized_as_text;
+use crate::controllability::consistency::Contradiction;
 use crate::error::Error;
 use crate::reason::text::equations;
 use crate::reason::zero_dynamics::NoZeroDynamics;
@@ -25,6 +26,9 @@ pub enum Reason {
     /// The family of constant inputs was not compared with the affine form.
     #[error(transparent)]
     Family(#[from] FamilyReason),
+    /// Two statements exclude each other.
+    #[error(transparent)]
+    Contradiction(#[from] Contradiction),
     /// What switching between modes reaches is open.
     #[error(transparent)]
     Switching(#[from] SwitchingReason),
