@@ -96,7 +96,7 @@ pub fn certify(system: &System, options: &CertifyOptions) -> Result<Certificatio
         passivity: None,
         seconds: 0.0,
     };
-    match PolynomialModel::new(system) {
+    match PolynomialModel::new(system, &limit) {
         Ok(model) => {
             let names = model.states.iter().chain(&model.inputs).cloned();
             found.point = names.zip(model.point.iter().cloned()).collect();

@@ -5,6 +5,7 @@ use bracketry_system::System;
 use crate::certificate::{Certificate, Claim, Conclusion, Flaw};
 use crate::model::PolynomialModel;
 use crate::reason::CertificateReason;
+use crate::semidefinite::Limit;
 
 /// Why a certificate proves nothing of a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub enum CheckError {
 /// # Errors
 /// [`CheckError`]: why it proves nothing.
 pub fn check(system: &System, certificate: &Certificate) -> Result<Conclusion, CheckError> {
-    let model = PolynomialModel::new(system).map_err(CheckError::Model)?;
+    let model = PolynomialModel::new(system, &Limit::default()).map_err(CheckError::Model)?;
     let mut same = certificate.states == model.states && certificate.field == model.drift;
     if let Claim::Passive { input_fields, outputs, .. } = &certificate.claim {
         same &= model.input_fields.as_ref() == Some(input_fields) && model.outputs.as_ref() == Some(outputs);

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use crate::certificate::{Certificate, Claim};
 use crate::model::{PolynomialModel, rate};
-use crate::monomials::{Monomial, count, degree, monomials};
+use crate::monomials::{Monomial, degree, monomials};
 use crate::semidefinite::Limit;
 
 /// Most unknown coefficients.
@@ -31,10 +31,8 @@ pub(crate) fn conserved(model: &PolynomialModel, largest: u32, limit: &Limit) ->
     let mut generators: Vec<MultivariatePolynomial> = Vec::new();
     let mut complete = 0;
     for d in 1..=largest {
-        if count(n, d) > MAX_UNKNOWNS || limit.is_reached() {
-            break;
-        }
-        let list = monomials(n, 1..=d);
+        let listed = monomials(n, 1..=d).filter(|list| list.len() < MAX_UNKNOWNS && !limit.is_reached());
+        let Some(list) = listed else { break };
         let known = products(&generators, d);
         let mut span = Echelon::empty(list.len());
         for p in &known {
@@ -112,8 +110,7 @@ pub(crate) fn first_integrals(original: &System, limit: &Limit) -> Vec<Function>
     if !system.input_derivatives.is_empty() || !switches.switches.is_empty() {
         return Vec::new();
     }
-    system.pool.set_deadline(limit.deadline);
-    system.pool.set_stop_flag(limit.stop.clone());
+    limit.set(&mut system.pool);
     let mut bindings = Bindings::new();
     for p in &system.parameters {
         bindings.bind(p.symbol, p.value.clone());

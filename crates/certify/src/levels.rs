@@ -27,23 +27,23 @@ pub(crate) struct Levels<'a> {
 
 impl Levels<'_> {
     /// The program of s: −V' − (c − V) s and s are sums of squares.
-    fn program(&self, level: &Rational) -> (Program, AffinePolynomial) {
+    fn program(&self, level: &Rational) -> Result<(Program, AffinePolynomial), Unsolved> {
         let n = self.model.dimension();
         let fall = negative(&self.model.rate(self.v));
         let half = fall.degree().saturating_sub(self.v.degree()).div_ceil(2).max(1);
         // A multiplier of the least degree that lets V s bound V' far away cannot be small nearby as well.
         let half = if self.v.degree() > 2 { half + 1 } else { half };
-        let s = unknown(&monomials(n, 2..=2 * half));
+        let s = unknown(&monomials(n, 2..=2 * half).ok_or(Unsolved::TooLarge)?);
         let linear = s.linear.iter().map(|s| on_sublevel_set(&MultivariatePolynomial::default(), self.v, level, s));
         let inside = AffinePolynomial { constant: fall, linear: linear.collect() };
-        let constraints = vec![sum_of_squares(n, s.clone()), sum_of_squares(n, inside)];
-        (Program { unknowns: s.linear.len(), constraints, zero: Vec::new() }, s)
+        let constraints = vec![sum_of_squares(n, s.clone())?, sum_of_squares(n, inside)?];
+        Ok((Program { unknowns: s.linear.len(), constraints, zero: Vec::new() }, s))
     }
 
     /// The multiplier s of a level, in floating point; none where the level is too large.
     pub(crate) fn multiplier(&self, level: f64) -> Result<Option<MultivariatePolynomial>, Unsolved> {
         let level = Rational::try_from(level).map_err(|_| Unsolved::NotFeasible)?;
-        let (program, s) = self.program(&level);
+        let (program, s) = self.program(&level)?;
         match numerical(program, &self.powers, self.limit)? {
             Some(unknowns) => Ok(Some(s.at(&unknowns))),
             None => Ok(None),
@@ -52,11 +52,11 @@ impl Levels<'_> {
 
     /// The certificate of one level.
     pub(crate) fn certified(&self, level: &Rational) -> Result<Certificate, Unsolved> {
-        let (program, _) = self.program(level);
+        let (program, _) = self.program(level)?;
         let exact = program.certified(&self.powers, self.limit)?;
         let n = self.model.dimension();
         let alone = AffinePolynomial { constant: self.v.clone(), linear: Vec::new() };
-        let of_v = Program { unknowns: 0, constraints: vec![sum_of_squares(n, alone)], zero: Vec::new() };
+        let of_v = Program { unknowns: 0, constraints: vec![sum_of_squares(n, alone)?], zero: Vec::new() };
         let positive = of_v.certified(&self.powers, self.limit)?.grams.into_iter().next();
         let [multiplier, decrease]: [Gram; 2] = exact.grams.try_into().map_err(|_| Unsolved::NotRounded)?;
         let claim = Claim::Region {

@@ -9,17 +9,18 @@ use crate::model::PolynomialModel;
 use crate::monomials::{Monomial, degree, monomials};
 use crate::reason::CertificateReason;
 use crate::semidefinite::Limit;
-use crate::sum_of_squares::program::{AffinePolynomial, Constraint, Margin, Program, Unsolved};
+use crate::sum_of_squares::program::{AffinePolynomial, Constraint, MAX_UNKNOWNS, Margin, Program, Unsolved};
 
-/// The monomials that V is sought of: quadratic, with products of squares, all.
+/// The monomials that V is sought of: quadratic, with products of squares, all; as far as a program may have that many unknowns.
 fn templates(n: usize, largest: u32) -> Vec<Vec<Monomial>> {
     let mut list = vec![monomials(n, 2..=2)];
     for d in (4..=largest).step_by(2) {
-        let even = monomials(n, 2..=d);
-        list.push(even.into_iter().filter(|m| degree(m) == 2 || m.iter().all(|k| k % 2 == 0)).collect());
-        list.push(monomials(n, 2..=d));
+        let all = monomials(n, 2..=d);
+        let even = |m: &Monomial| degree(m) == 2 || m.iter().all(|k| k % 2 == 0);
+        list.push(all.clone().map(|all| all.into_iter().filter(even).collect()));
+        list.push(all);
     }
-    list
+    list.into_iter().flatten().filter(|template| template.len() <= MAX_UNKNOWNS).collect()
 }
 
 /// V with unknown coefficients.
@@ -34,9 +35,12 @@ pub(crate) fn largest_degree(p: &AffinePolynomial) -> u32 {
 }
 
 /// The sum-of-squares constraint on p, which vanishes at the origin.
-pub(crate) fn sum_of_squares(n: usize, p: AffinePolynomial) -> Constraint {
-    let basis = monomials(n, 1..=largest_degree(&p).div_ceil(2));
-    Constraint { polynomial: p, basis, margin: Margin::Largest }
+///
+/// # Errors
+/// [`Unsolved::TooLarge`].
+pub(crate) fn sum_of_squares(n: usize, p: AffinePolynomial) -> Result<Constraint, Unsolved> {
+    let basis = monomials(n, 1..=largest_degree(&p).div_ceil(2)).ok_or(Unsolved::TooLarge)?;
+    Ok(Constraint { polynomial: p, basis, margin: Margin::Largest })
 }
 
 /// Most states for which V' is sought that vanishes with some of them.
@@ -51,7 +55,7 @@ pub(crate) fn global(model: &PolynomialModel, largest: u32, limit: &Limit) -> Re
     let n = model.dimension();
     let powers = lyapunov_of(model).map_or_else(|| vec![0; n], |p| lengths(&p, 1.0));
     let search = Search { model, powers, limit };
-    let mut reason = None;
+    let mut reason = CertificateReason::TooLarge;
     let mut stable = None;
     for template in templates(n, largest) {
         match search.with(&template, |_| true) {
@@ -60,8 +64,8 @@ pub(crate) fn global(model: &PolynomialModel, largest: u32, limit: &Limit) -> Re
             Err(Unsolved::OutOfTime) => return stable.ok_or(CertificateReason::OutOfTime),
             Err(why) => {
                 // The last word is that of the richest template that could be decided.
-                if why != Unsolved::TooLarge || reason.is_none() {
-                    reason = Some(CertificateReason::of(why, largest));
+                if why != Unsolved::TooLarge {
+                    reason = CertificateReason::of(why, largest);
                 }
             }
         }
@@ -70,7 +74,7 @@ pub(crate) fn global(model: &PolynomialModel, largest: u32, limit: &Limit) -> Re
     if stable.is_none() && n <= MAX_SUBSETS_OF && (on_axis > 0 || model.degree() > 1) {
         stable = search.semidefinite(largest);
     }
-    stable.ok_or(reason.unwrap_or(CertificateReason::NotFound { degree: largest }))
+    stable.ok_or(reason)
 }
 
 struct Search<'a> {
@@ -89,10 +93,10 @@ impl Search<'_> {
         let n = self.model.dimension();
         let v = unknown(template);
         let fall = v.mapped(|p| negative(&self.model.rate(p)));
-        let mut decrease = sum_of_squares(n, fall);
+        let mut decrease = sum_of_squares(n, fall)?;
         decrease.basis.retain(allowed);
         // V and its rate may be multiplied by any number.
-        let positive = Constraint { margin: Margin::One, ..sum_of_squares(n, v.clone()) };
+        let positive = Constraint { margin: Margin::One, ..sum_of_squares(n, v.clone())? };
         let constraints = vec![positive, decrease];
         let program = Program { unknowns: template.len(), constraints, zero: Vec::new() };
         let exact = program.certified(&self.powers, self.limit)?;

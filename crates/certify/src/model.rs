@@ -6,6 +6,7 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use crate::reason::CertificateReason;
+use crate::semidefinite::Limit;
 
 /// x' = f(x) + Σ u_j g_j(x), y = h(x), in deviations from an equilibrium, with rational coefficients.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,8 +141,9 @@ pub fn with_feedback(system: &System, feedback: &[String]) -> Result<System, Fee
 
 impl PolynomialModel {
     /// The model at its point; the reason where it is not polynomial, or the point no equilibrium.
-    pub(crate) fn new(original: &System) -> Result<Self, CertificateReason> {
+    pub(crate) fn new(original: &System, limit: &Limit) -> Result<Self, CertificateReason> {
         let mut system = original.clone();
+        limit.set(&mut system.pool);
         if let Some(d) = system.input_derivatives.first() {
             let input = system.symbol_name(system.inputs[d.input]).to_owned();
             return Err(CertificateReason::InputDerivative { input });
@@ -164,8 +166,12 @@ impl PolynomialModel {
         let mut drift = Vec::with_capacity(n);
         let mut fields = Some(vec![Vec::with_capacity(n); inputs.len()]);
         for (name, e) in names.iter().zip(shifted) {
-            let p = MultivariatePolynomial::of(&mut system.pool, e, &variables)
-                .ok_or_else(|| CertificateReason::NotPolynomial { of: name.clone() })?;
+            let p = MultivariatePolynomial::of(&mut system.pool, e, &variables);
+            // Beyond the limit, products are not multiplied out.
+            if system.pool.reached_limit().is_some() {
+                return Err(CertificateReason::OutOfTime);
+            }
+            let p = p.ok_or_else(|| CertificateReason::NotPolynomial { of: name.clone() })?;
             let rest = p.coefficient(&vec![0; variables.len()]);
             if rest != Rational::ZERO {
                 return Err(CertificateReason::NotEquilibrium {

@@ -10,7 +10,7 @@ use crate::model::{PolynomialModel, rate};
 use crate::monomials::monomials;
 use crate::reason::CertificateReason;
 use crate::semidefinite::Limit;
-use crate::sum_of_squares::program::{AffinePolynomial, Program, Unsolved};
+use crate::sum_of_squares::program::{AffinePolynomial, MAX_UNKNOWNS, Program, Unsolved};
 
 /// A storage function of degree at most `largest` for the inputs and outputs in their order: S ≥ 0, ∇S·f ≤ 0, ∇S·g = h (Hill and
 /// Moylan, IEEE Trans. Autom. Control 21 (1976) 708–711).
@@ -56,14 +56,14 @@ impl Search<'_> {
     /// S of degree d whose rate is minus a sum of squares in the states of the subset.
     fn with(&self, d: u32, subset: u32) -> Result<Certificate, Unsolved> {
         let n = self.model.dimension();
-        let template = monomials(n, 2..=d);
+        let template = monomials(n, 2..=d).filter(|t| t.len() <= MAX_UNKNOWNS).ok_or(Unsolved::TooLarge)?;
         let s = unknown(&template);
         let equations = self.fields.iter().zip(self.outputs);
         let zero =
             equations.map(|(g, h)| AffinePolynomial { constant: negative(h), ..s.mapped(|v| rate(v, g)) }).collect();
-        let mut fall = sum_of_squares(n, s.mapped(|v| negative(&self.model.rate(v))));
+        let mut fall = sum_of_squares(n, s.mapped(|v| negative(&self.model.rate(v))))?;
         fall.basis.retain(|m| is_inside(m, subset));
-        let constraints = vec![sum_of_squares(n, s.clone()), fall];
+        let constraints = vec![sum_of_squares(n, s.clone())?, fall];
         let program = Program { unknowns: template.len(), constraints, zero };
         let exact = program.certified(&vec![0; n], self.limit)?;
         let [positive, dissipation]: [Gram; 2] = exact.grams.try_into().map_err(|_| Unsolved::NotRounded)?;

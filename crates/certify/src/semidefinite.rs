@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use bracketry_symbolic::StopFlag;
+use bracketry_symbolic::{Pool, StopFlag};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// The equations A(X) + B y = b of one block, X ⪰ 0 of size n × n: A adds up the entries of X that belong to each row.
@@ -40,14 +40,20 @@ pub(crate) struct Solution {
     pub(crate) residual: f64,
 }
 
-/// When to give up.
-#[derive(Clone, Debug)]
+/// When to give up; by default never.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Limit {
     pub(crate) deadline: Option<Instant>,
     pub(crate) stop: StopFlag,
 }
 
 impl Limit {
+    /// Makes work in a pool look at this limit.
+    pub(crate) fn set(&self, pool: &mut Pool) {
+        pool.set_deadline(self.deadline);
+        pool.set_stop_flag(self.stop.clone());
+    }
+
     pub(crate) fn is_reached(&self) -> bool {
         self.stop.is_raised() || self.stop.is_out_of_memory() || self.deadline.is_some_and(|d| Instant::now() >= d)
     }
@@ -298,8 +304,6 @@ fn lengths(iterates: &[Iterate], directions: &[Direction]) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    const NO_LIMIT: fn() -> Limit = || Limit { deadline: None, stop: StopFlag::default() };
-
     /// The least eigenvalue of a matrix is the largest t with M − t I ⪰ 0.
     #[test]
     fn the_program_finds_the_least_eigenvalue() {
@@ -318,7 +322,7 @@ mod tests {
         }
         let block = Block { size: 3, row_of: rows.to_vec(), free, right, cost: 0.0 };
         let problem = Problem { blocks: vec![block], cost: DVector::from_element(1, -1.0) };
-        let solution = problem.solve(&NO_LIMIT()).unwrap_or_else(|| panic!("no solution"));
+        let solution = problem.solve(&Limit::default()).unwrap_or_else(|| panic!("no solution"));
         let least = m.symmetric_eigenvalues().min();
         assert!((solution.free[0] - least).abs() < 1e-7, "{} instead of {least}", solution.free[0]);
     }

@@ -31,10 +31,7 @@ pub(crate) fn truncated(
     let gamma = Rational::try_from(gamma).ok()?;
     let mut v = crate::linearization::quadratic(p)?;
     for degree in 3..=largest {
-        let list = monomials(n, degree..=degree);
-        if list.len() > MAX_COEFFICIENTS {
-            return None;
-        }
+        let list = monomials(n, degree..=degree).filter(|list| list.len() <= MAX_COEFFICIENTS)?;
         // L V_k = −(∇V·f)_k + γ (xᵀx V)_k.
         let known = square.product(&v);
         let right = MultivariatePolynomial::default()

@@ -12,9 +12,6 @@ const MAX_NODES: usize = 400_000;
 const MAX_ANALYSIS_NODES: usize = 1_000_000;
 
 fn check(pool: &Pool, first: usize, coming: usize, nodes: usize) -> Result<(), Undecided> {
-    if pool.stop_flag().is_raised() {
-        return Err(Undecided::Stopped);
-    }
     if let Some(limit) = pool.reached_limit() {
         return Err(limit.into());
     }
@@ -40,9 +37,6 @@ pub(crate) fn check_growth(pool: &Pool, first: usize, roots: [&[Expr]; 2], direc
 /// Stops an analysis that began when the pool had made `first` nodes, between two questions. Nodes that were
 /// freed since count as well.
 pub(crate) fn check_analysis(pool: &Pool, first: usize) -> Result<(), Undecided> {
-    if pool.stop_flag().is_raised() {
-        return Err(Undecided::Stopped);
-    }
     if let Some(limit) = pool.reached_limit() {
         return Err(limit.into());
     }

@@ -82,7 +82,8 @@ fn fields_of_modes(system: &mut System) -> Result<Vec<ModeFields>, Error> {
     for &u in &system.inputs {
         let column: Field = form.dynamics.iter().map(|&e| pool.diff(e, u)).collect();
         for (i, &d) in column.iter().enumerate() {
-            for &v in &system.inputs {
+            // Most use no input at all, which is seen at once.
+            for v in pool.symbols_of(&[d]).into_iter().filter(|v| system.inputs.contains(v)) {
                 let second = pool.diff(d, v);
                 match pool.zero_test(second, &Bindings::new()) {
                     ZeroTest::Zero(_) => {}

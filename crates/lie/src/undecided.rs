@@ -12,9 +12,6 @@ pub enum Undecided {
         /// New nodes of the pool that were allowed.
         nodes: usize,
     },
-    /// The pool's [`StopFlag`](bracketry_symbolic::StopFlag) was raised.
-    #[error("not decided because the analysis was stopped")]
-    Stopped,
     /// Ranks of too many or too large matrices.
     #[error("not decided because the ranks take more than {products:e} products")]
     TooMany {

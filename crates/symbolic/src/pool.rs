@@ -206,9 +206,12 @@ impl Pool {
         self.deadline = deadline;
     }
 
-    /// The limit that work in this pool has reached, if any: its [deadline](Self::set_deadline), or the memory of which its
-    /// [flag](StopFlag::memory_runs_out) tells.
+    /// Why work in this pool is to end, if it is: its [flag](Self::stop_flag) was raised or tells that
+    /// [memory runs out](StopFlag::memory_runs_out), or its [deadline](Self::set_deadline) has passed.
     pub fn reached_limit(&self) -> Option<Undecided> {
+        if self.stop.is_raised() {
+            return Some(Undecided::Stopped);
+        }
         if self.stop.is_out_of_memory() {
             return Some(Undecided::MemoryLimit);
         }

@@ -96,7 +96,7 @@ const MAX_BASIS: usize = 90;
 const MAX_ROWS: usize = 1600;
 /// The same before the reduction, and most unknowns.
 const MAX_BEFORE: usize = 250;
-const MAX_UNKNOWNS: usize = 600;
+pub(crate) const MAX_UNKNOWNS: usize = 600;
 
 /// Why a program has no solution, or is not solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,8 @@
 //! Random systems whose answers are known by construction: they are proved, or unknown; wrong systems are never proved.
 
-use bracketry_certify::{Certification, CertifyOptions, Claim, Conclusion, Find, Flaw, certify};
+use std::time::Duration;
+
+use bracketry_certify::{CertificateReason, Certification, CertifyOptions, Claim, Conclusion, Find, Flaw, certify};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -214,4 +216,30 @@ fn a_certificate_that_was_changed_is_rejected() {
     huge["claim"]["decrease"]["monomials"][0][0] = serde_json::json!(u32::MAX);
     let huge: bracketry_certify::Certificate = serde_json::from_value(huge).unwrap();
     assert_eq!(huge.verify(), Err(Flaw::Malformed));
+}
+
+/// Of high degree or of many states: nothing is written out that no program could hold, and the reason is given.
+#[test]
+fn what_is_too_large_is_not_proved_and_takes_no_memory() {
+    let many = |n: usize| (0..n).map(|i| format!("-x{i} + x{}^2", (i + 1) % n)).collect::<Vec<_>>();
+    for dynamics in [vec!["-x0 + x0^1000000000".to_owned()], many(300)] {
+        let r = found(&dynamics, "inputs = []", &[Find::Lyapunov, Find::Region, Find::Conserved]);
+        assert!(r.lyapunov.unwrap().proof().is_none(), "{}", dynamics[0]);
+        assert!(r.region.unwrap().proof().is_none(), "{}", dynamics[0]);
+    }
+}
+
+/// Products that multiply out to 2^n terms: the limit of time holds while the equations are read.
+#[test]
+fn the_time_limit_holds_while_products_are_multiplied_out() {
+    let n = 40;
+    let factor = (1..n).map(|i| format!("(x{i} + x{}^2 + 1)", i - 1)).collect::<Vec<_>>().join("*");
+    let dynamics: Vec<String> = (0..n).map(|i| format!("-x{i} + x{i}*{factor}")).collect();
+    let states: Vec<String> = (0..n).map(|i| format!("'x{i}'")).collect();
+    let list: Vec<String> = dynamics.iter().enumerate().map(|(i, e)| format!("x{i} = '{e}'")).collect();
+    let text = format!("states = [{}]\ninputs = []\ndynamics = {{ {} }}\n", states.join(", "), list.join(", "));
+    let system = System::parse("m", &text).unwrap();
+    let options = CertifyOptions { time_limit: Some(Duration::ZERO), ..CertifyOptions::default() };
+    let r = certify(&system, &options).unwrap();
+    assert_eq!(r.not_polynomial, Some(CertificateReason::OutOfTime));
 }

@@ -92,7 +92,13 @@ impl CertifyArgs {
             }
         }
         let time_limit = Some(self.time_limit.get());
-        Ok(CertifyOptions { find, degree: self.degree, time_limit, ..CertifyOptions::default() })
+        Ok(CertifyOptions {
+            find,
+            degree: self.degree,
+            time_limit,
+            stop: system.pool.stop_flag().clone(),
+            ..CertifyOptions::default()
+        })
     }
 
     /// Indices of the states of the picture; none for a model with one state.

@@ -80,6 +80,7 @@ pub(crate) fn run(args: &SteerArgs, output: &CommonArgs) -> anyhow::Result<Outco
         method,
         time_limit: Some(args.time_limit.get()),
         seed: args.seed,
+        stop: system.pool.stop_flag().clone(),
         ..SteerOptions::named(&mut system, args.from.as_deref(), &args.to)?
     };
     let progress = spinner("steering");

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use bracketry_symbolic::{Expr, Function, Pool};
+use bracketry_symbolic::{Expr, Function, Pool, Undecided as Exact};
 use bracketry_system::System;
 
 use crate::algebra::closure::Closure;
@@ -39,7 +39,7 @@ use crate::undecided::Undecided;
 /// vanishes at the point, of the smoothed model.
 ///
 /// # Errors
-/// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`], [`Error::Bracket`], [`Undecided::Stopped`] once the stop flag
+/// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`], [`Error::Bracket`], [`Exact::Stopped`] once the stop flag
 /// of the system's pool is raised; what an exact test cannot decide becomes an unknown of the report instead.
 pub fn analyze_affine(system: &System, options: &AnalysisOptions) -> Result<Report, Error> {
     let start = Instant::now();
@@ -102,7 +102,7 @@ pub fn analyze_affine(system: &System, options: &AnalysisOptions) -> Result<Repo
     let expressions = system.pool.made() - first + of_smoothed;
     // Whatever is unknown now, it is not for a reason of its own.
     if system.pool.stop_flag().is_raised() {
-        return Err(Undecided::Stopped.into());
+        return Err(Undecided::from(Exact::Stopped).into());
     }
     Ok(Report {
         modes: mode_reports,

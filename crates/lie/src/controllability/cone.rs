@@ -39,8 +39,8 @@ pub(crate) fn half_space_of_modes(
         linear.iter().map(|c| (combination(pool, &first.fields.states, c), Some(&c[..]))).collect();
     let integrals = integrals_of_all(pool, modes, evidence)?;
     for (function, covector) in linear.into_iter().chain(integrals.into_iter().map(|f| (f, None))) {
-        if pool.stop_flag().is_raised() {
-            return Err(Undecided::Stopped);
+        if let Some(limit) = pool.reached_limit() {
+            return Err(limit.into());
         }
         let (mut up, mut down) = (true, true);
         for mode in modes {

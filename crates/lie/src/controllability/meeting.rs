@@ -55,8 +55,8 @@ pub(crate) struct Verdicts {
 pub(crate) fn adjacent<'a>(pool: &mut Pool, given: &AtSwitchPoint<'a>) -> Result<Vec<Adjacent<'a>>, Error> {
     let mut list = Vec::new();
     for (number, mode) in given.modes.iter().enumerate() {
-        if pool.stop_flag().is_raised() {
-            return Err(Undecided::Stopped.into());
+        if let Some(limit) = pool.reached_limit() {
+            return Err(Undecided::from(limit).into());
         }
         let frame = Frame::new(pool, &mode.fields, &given.point.states, &given.point.inputs)?;
         let (mut vanishing, mut switches, mut meets) = (Vec::new(), Vec::new(), true);

@@ -290,8 +290,8 @@ impl Space<'_> {
         let mut of: Vec<usize> = (0..self.modes.len()).collect();
         for (edge, surface) in self.occurrence.edges.iter().zip(solved) {
             let [a, b] = edge.modes;
-            if pool.stop_flag().is_raised() {
-                return Err(Undecided::Stopped);
+            if let Some(limit) = pool.reached_limit() {
+                return Err(limit.into());
             }
             if of[a] == of[b] || edge.seen_at.is_none() {
                 continue;

@@ -1,6 +1,6 @@
 //! Local controllability with integrals of free inputs in place of the inputs.
 
-use bracketry_symbolic::{Func, Node, Pool};
+use bracketry_symbolic::{Func, Node, Pool, Undecided as Exact};
 
 use crate::algebra::field::VectorFields;
 use crate::algebra::span::vanishes;
@@ -44,7 +44,7 @@ pub(crate) fn with_integrators(
         let Ok(longer) = prolonged(pool, frame, sides, &counts) else { return Ok(None) };
         let stlc = match general(pool, &longer, &limits, evidence) {
             Ok(stlc) => stlc,
-            Err(why @ Undecided::Stopped) => return Err(why),
+            Err(why @ Undecided::Exact(Exact::Stopped)) => return Err(why),
             Err(_) => continue,
         };
         if stlc.verdict == Verdict::Yes {

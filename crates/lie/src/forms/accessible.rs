@@ -65,10 +65,7 @@ impl Frame {
                 self.evidence = attempt.evidence;
                 match found {
                     Ok(form) => return Ok(form),
-                    Err(stop)
-                        if attempt.system.pool.reached_limit().is_some()
-                            || attempt.system.pool.stop_flag().is_raised() =>
-                    {
+                    Err(stop) if attempt.system.pool.reached_limit().is_some() => {
                         return Err(stop);
                     }
                     Err(stop) if first => (failed, first) = (stop, false),

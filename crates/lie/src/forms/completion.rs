@@ -1,6 +1,6 @@
 //! Functions that complete others to coordinates, and functions that are constant along fields.
 
-use bracketry_symbolic::{Expr, Node, Rational};
+use bracketry_symbolic::{Expr, Node, Rational, Undecided as Exact};
 
 use crate::algebra::field::Field;
 use crate::algebra::integrals::search::integrals_of_involutive;
@@ -44,7 +44,7 @@ impl Frame {
         let (states, bindings) = (&self.fields.states, &self.fields.bindings);
         let found = match integrals_of_involutive(pool, states, fields, &known, bindings, &mut self.evidence) {
             Ok(found) => found.functions,
-            Err(why @ Undecided::Stopped) => return Err(why),
+            Err(why @ Undecided::Exact(Exact::Stopped)) => return Err(why),
             Err(_) => Vec::new(),
         };
         let mut list = Vec::new();

@@ -1,6 +1,6 @@
 //! The observer form of one output: linear up to functions of the output and the inputs.
 
-use bracketry_symbolic::{Expr, Symbol};
+use bracketry_symbolic::{Expr, Symbol, Undecided as Exact};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::antiderivative::antiderivative;
@@ -247,7 +247,7 @@ impl Frame {
             let difference = pool.sub(back, e);
             match self.is_zero(difference) {
                 Ok(Some(_)) => return Ok(Some(there)),
-                Err(why @ Undecided::Stopped) => return Err(why.into()),
+                Err(why @ Undecided::Exact(Exact::Stopped)) => return Err(why.into()),
                 Ok(None) | Err(_) => {}
             }
         }

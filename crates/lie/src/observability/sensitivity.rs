@@ -156,8 +156,8 @@ fn at<const C: u64>(pool: &mut Pool, program: &SeriesProgram, seed: u64) -> Resu
     let n = program.directions();
     let mut span = Echelon::empty(n);
     loop {
-        if pool.stop_flag().is_raised() {
-            return Err(Undecided::Stopped);
+        if let Some(limit) = pool.reached_limit() {
+            return Err(limit.into());
         }
         let mut fresh = false;
         for row in series.rows() {

@@ -307,7 +307,7 @@ impl<'a> Explorer<'a> {
             return None;
         }
         search.seen.push(region.clone());
-        if self.pool.reached_limit().is_some() || self.pool.stop_flag().is_raised() {
+        if self.pool.reached_limit().is_some() {
             search.note(Incomplete::Time);
             return None;
         }

@@ -182,7 +182,7 @@ pub fn parameter_map(
 /// The linearization at a point of the map.
 fn cell(pool: &mut Pool, linear: Option<&Linear>, symbols: &[Symbol], at: [&Rational; 2]) -> Option<MapCell> {
     let linear = linear?;
-    if pool.reached_limit().is_some() || pool.stop_flag().is_raised() {
+    if pool.reached_limit().is_some() {
         return None;
     }
     let values: FxHashMap<Expr, Expr> =

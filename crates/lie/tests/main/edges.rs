@@ -241,3 +241,19 @@ fn chains_of_many_states_are_decided() {
         assert_eq!(dimensions.strong_growth, (1..=n).collect::<Vec<_>>());
     }
 }
+
+/// x_i' = x_i u_i + x_{i+1} u_{i+1} on a ring: g_i = x_i (e_i + e_{i−1}), which span everything if n is odd, and all but the
+/// alternating sum if n is even. No equation is tested against all pairs of inputs.
+#[test]
+fn systems_of_many_inputs_are_decided() {
+    for (n, dimension) in [(60, 59), (61, 61)] {
+        let names: Vec<String> = (0..n).map(|i| format!("x{i}")).collect();
+        let inputs: Vec<String> = (0..n).map(|i| format!("u{i}")).collect();
+        let rates: Vec<String> = (0..n).map(|i| [i, (i + 1) % n].map(|k| format!("x{k}*u{k}")).join(" + ")).collect();
+        let [names, inputs, rates] =
+            [&names, &inputs, &rates].map(|l| l.iter().map(String::as_str).collect::<Vec<_>>());
+        let r = report(&system(&names, &inputs, &[], &rates, &[], None));
+        let dimensions = &r.modes[0].dimensions;
+        assert_eq!(dimensions.accessible_dimension.known(), Some(&dimension), "{dimensions:?}");
+    }
+}

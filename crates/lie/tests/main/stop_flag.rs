@@ -3,7 +3,8 @@
 
 use std::time::{Duration, Instant};
 
-use bracketry_lie::{AnalysisOptions, Error, Undecided, analyze, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Error, analyze, analyze_affine};
+use bracketry_symbolic::Undecided as Exact;
 use bracketry_system::System;
 
 #[test]
@@ -13,7 +14,7 @@ fn a_raised_flag_stops_the_analysis() {
     let system = System::parse("unicycle", text).unwrap();
     assert!(analyze_affine(&system, &AnalysisOptions::default()).is_ok());
     system.pool.stop_flag().raise();
-    assert_eq!(analyze_affine(&system, &AnalysisOptions::default()), Err(Error::Undecided(Undecided::Stopped)));
+    assert_eq!(analyze_affine(&system, &AnalysisOptions::default()), Err(Error::Undecided(Exact::Stopped.into())));
 }
 
 #[test]

@@ -197,6 +197,9 @@ fn canonical(pool: &mut Pool, e: Expr, expand: Option<usize>, effort: usize) -> 
         if !outermost.contains(&n) {
             continue;
         }
+        if pool.reached_limit().is_some() {
+            return None;
+        }
         let c = match pool.node(n) {
             Node::Num(_) | Node::Pi | Node::Sym(_) => n,
             Node::Add(..) => collect_sum(pool, n, &image),

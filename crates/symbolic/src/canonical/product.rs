@@ -194,7 +194,7 @@ impl Product {
     }
 
     /// The sum that results from multiplying out sums with positive integer exponents. A sum that would
-    /// lead to more than `limit` terms stays a factor.
+    /// lead to more than `limit` terms stays a factor, as does one that is left when the pool reaches its limit of time or memory.
     pub(super) fn expand(&self, pool: &mut Pool, limit: usize) -> Expr {
         let mut rest = self.clone();
         let mut sums = Vec::new();
@@ -215,7 +215,7 @@ impl Product {
         for (base, n) in sums {
             let factor = Sum::from(pool, base);
             for done in 0..n {
-                if total.len() * factor.len() > limit {
+                if total.len() * factor.len() > limit || pool.reached_limit().is_some() {
                     kept.raise(base, RBig::from(n - done));
                     break;
                 }

@@ -153,6 +153,9 @@ pub enum Undecided {
         /// Decimal logarithm of the degree.
         log10_degree: f64,
     },
+    /// The [flag](Pool::stop_flag) of the pool was raised.
+    #[error("not decided because the work was stopped")]
+    Stopped,
     /// The [deadline](Pool::set_deadline) of the pool has passed.
     #[error("not decided within the time limit")]
     TimeLimit,

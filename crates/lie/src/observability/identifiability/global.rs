@@ -49,7 +49,7 @@ pub(crate) struct Solutions<const C: u64> {
 impl Question {
     pub(crate) fn solutions<const C: u64>(&self, pool: &mut Pool, seed: u64) -> Result<Solutions<C>, GlobalReason> {
         let here = point::<C>(pool, self, &self.special, seed).map_err(|why| match why {
-            Undecided::Stopped | Undecided::Exact(Exact::TimeLimit | Exact::MemoryLimit) => GlobalReason::Time,
+            Undecided::Exact(Exact::Stopped | Exact::TimeLimit | Exact::MemoryLimit) => GlobalReason::Time,
             Undecided::Exact(why) if why.needs_other_prime() => GlobalReason::Primes,
             _ => GlobalReason::TooLarge,
         })?;
@@ -68,7 +68,7 @@ impl Question {
         })?;
         let late = {
             let pool = &*pool;
-            move || pool.stop_flag().is_raised() || pool.reached_limit().is_some()
+            move || pool.reached_limit().is_some()
         };
         let mut work = Work::new(MAX_PRODUCTS, &late);
         let no_basis = |why: NoBasis| match why {

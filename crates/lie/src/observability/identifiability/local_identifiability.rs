@@ -82,9 +82,6 @@ pub(crate) fn point<'a, const C: u64>(
     let mut heights: Vec<Option<usize>> = vec![None; outputs];
     let (mut idle, mut shared) = (0, usize::MAX);
     for order in 0.. {
-        if pool.stop_flag().is_raised() {
-            return Err(Undecided::Stopped);
-        }
         if let Some(limit) = pool.reached_limit() {
             return Err(limit.into());
         }
