@@ -7,6 +7,7 @@ use bracketry_symbolic::Pool;
 use crate::algebra::closure::{Closure, close};
 use crate::algebra::field::{Field, VectorFields, is_plain_zero};
 use crate::algebra::integrals::search::{Integrals, integrals_of_involutive};
+use crate::algebra::krylov::Krylov;
 use crate::algebra::span::{Spanning, independent, involutive};
 use crate::algebra::word::Word;
 use crate::algebra::word::{Bracket, Generator};
@@ -76,6 +77,9 @@ impl VectorFields {
     }
 }
 
+/// From so many states on, linear systems are recognized; with fewer, the general closure is as fast.
+const LARGE: usize = 41;
+
 /// The distributions that the inputs generate at a generic point.
 pub(crate) struct Reach {
     pub(crate) all: Result<Closure, Undecided>,
@@ -85,6 +89,11 @@ pub(crate) struct Reach {
 impl Reach {
     /// `first` is how many nodes the pool had made when the analysis began.
     pub(crate) fn of(pool: &mut Pool, fields: &VectorFields, first: usize, evidence: &mut Evidence) -> Reach {
+        let large = fields.states.len() >= LARGE;
+        if let Some(linear) = large.then(|| Krylov::of(pool, fields)).flatten() {
+            let all = linear.close(pool, true, evidence);
+            return Reach { all, strong: linear.close(pool, false, evidence) };
+        }
         let all = check_analysis(pool, first).and_then(|()| fields.accessibility(pool, evidence));
         let driftless = fields.drift.iter().all(|&e| pool.is_zero(e));
         let strong = if driftless {

@@ -1,0 +1,288 @@
+//! Closures under brackets of linear systems.
+//!
+//! For x' = A x + d + B u with constant A, d, and B, all brackets of the constant input fields vanish, and [f, b] = −A b. So the strong
+//! accessibility distribution is the smallest A-invariant subspace that contains the columns of B (Kalman 1960), and the accessibility
+//! distribution is spanned by it and the drift. Ranks are those of matrices of numbers, which are taken modulo a prime, one new vector at a
+//! time.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use bracketry_symbolic::{Pool, Rational, Samples};
+
+use crate::algebra::closure::Closure;
+use crate::algebra::field::{Field, VectorFields};
+use crate::algebra::linear_fields::LinearFields;
+use crate::algebra::word::Word;
+use crate::budget::check_size;
+use crate::evidence::Evidence;
+use crate::residues::{Fp, OFFSET};
+use crate::undecided::Undecided;
+
+/// Seed of the point at which the drift is taken.
+const SEED: u64 = 0x6b72_796c_6f76;
+
+/// A sparse vector: places and entries.
+type Sparse<F> = Vec<(usize, F)>;
+
+/// The closures of a linear system, or none where it is not seen to be one, or has a coefficient without a residue.
+pub(crate) struct Krylov<'a> {
+    fields: &'a VectorFields,
+    linear: LinearFields,
+    /// The columns of A modulo the prime.
+    columns: Vec<Sparse<Fp>>,
+    inputs: Vec<Sparse<Fp>>,
+    /// The drift at a random point.
+    drift: Samples<OFFSET>,
+}
+
+impl<'a> Krylov<'a> {
+    pub(crate) fn of(pool: &mut Pool, fields: &'a VectorFields) -> Option<Self> {
+        let linear = LinearFields::of(pool, fields)?;
+        let residues = |v: &Sparse<Rational>| v.iter().map(|(i, c)| Some((*i, Fp::from_rational(c)?))).collect();
+        let columns: Vec<Sparse<Fp>> = linear.columns.iter().map(residues).collect::<Option<_>>()?;
+        let inputs = linear.inputs.iter().map(residues).collect::<Option<_>>()?;
+        let drift = pool.sample_in::<OFFSET>(&fields.drift, &fields.bindings, 1, SEED).ok()?;
+        Some(Krylov { fields, linear, columns, inputs, drift })
+    }
+
+    /// The accessibility distribution, with the drift, or the strong one.
+    ///
+    /// # Errors
+    /// [`Undecided`] at a limit.
+    pub(crate) fn close(
+        &self,
+        pool: &mut Pool,
+        with_drift: bool,
+        evidence: &mut Evidence,
+    ) -> Result<Closure, Undecided> {
+        let n = self.fields.states.len();
+        let mut span = SparseSpan::empty(n);
+        let mut words = Vec::new();
+        // Vectors of the last round with the numbers of their words; the drift's own bracket vanishes.
+        let mut fresh: Vec<(Sparse<Fp>, usize)> = Vec::new();
+        let drift = self.drift.values.iter().flatten().copied().enumerate().filter(|(_, x)| !x.is_zero());
+        if with_drift && span.insert(&drift.collect()) {
+            words.push(Word::Generator(0));
+        }
+        for (k, b) in self.inputs.iter().enumerate() {
+            if span.insert(b) {
+                fresh.push((b.clone(), words.len()));
+                words.push(Word::Generator(k + 1));
+            }
+        }
+        let mut growth = vec![words.len()];
+        // The numbers of the words that the later ones are brackets of.
+        let mut before = Vec::new();
+        let mut any = !words.is_empty();
+        while any && words.len() < n {
+            let mut next = Vec::new();
+            for (v, word) in fresh {
+                if let Some(limit) = pool.reached_limit() {
+                    return Err(limit.into());
+                }
+                let image = span.times(&self.columns, &v);
+                if span.insert(&image) {
+                    next.push((image, words.len()));
+                    before.push(word);
+                    words.push(Word::bracket(Word::Generator(0), words[word].clone()));
+                }
+                evidence.spend(span.spent())?;
+            }
+            fresh = next;
+            any = !fresh.is_empty();
+            growth.push(words.len());
+        }
+        evidence.add_rank(&self.drift, words.len())?;
+        let basis = self.basis(pool, &words, &before)?;
+        Ok(Closure { growth, basis, words })
+    }
+
+    /// Fields that span the distribution of these words: coordinate fields where it is everything, else the brackets themselves.
+    fn basis(&self, pool: &mut Pool, words: &[Word], before: &[usize]) -> Result<Vec<Field>, Undecided> {
+        let n = self.fields.states.len();
+        let (zero, one) = (pool.int(0), pool.int(1));
+        if words.len() == n {
+            return Ok((0..n).map(|i| (0..n).map(|j| if i == j { one } else { zero }).collect()).collect());
+        }
+        let first = pool.len();
+        let mut exact: Vec<Sparse<Rational>> = Vec::new();
+        let mut made: Vec<Field> = Vec::with_capacity(words.len());
+        for word in words {
+            let vector = match word {
+                Word::Generator(0) => {
+                    exact.push(Vec::new());
+                    made.push(self.fields.drift.clone());
+                    continue;
+                }
+                Word::Generator(g) => self.linear.inputs[g - 1].clone(),
+                Word::Bracket(_) => {
+                    let of = before[exact.len() + before.len() - words.len()];
+                    negative_image(&self.linear.columns, &exact[of])
+                }
+            };
+            check_size(pool, first)?;
+            let mut field = vec![zero; n];
+            for (i, c) in &vector {
+                field[*i] = pool.rational(c.clone());
+            }
+            made.push(field);
+            exact.push(vector);
+        }
+        Ok(made)
+    }
+}
+
+/// −A v.
+fn negative_image(columns: &[Sparse<Rational>], v: &Sparse<Rational>) -> Sparse<Rational> {
+    let mut image = std::collections::BTreeMap::new();
+    for (j, x) in v {
+        for (i, a) in &columns[*j] {
+            *image.entry(*i).or_insert(Rational::ZERO) -= a * x;
+        }
+    }
+    image.into_iter().filter(|(_, x)| *x != Rational::ZERO).collect()
+}
+
+/// A span of sparse vectors modulo the prime.
+struct SparseSpan {
+    /// Rows with 1 at their first place, by that place.
+    rows: Vec<Option<Sparse<Fp>>>,
+    /// A vector that is worked on: its entries, its places in order, and whether a place is among them.
+    work: Vec<Fp>,
+    places: BinaryHeap<Reverse<usize>>,
+    listed: Vec<bool>,
+    products: f64,
+}
+
+impl SparseSpan {
+    fn empty(n: usize) -> Self {
+        SparseSpan {
+            rows: vec![None; n],
+            work: vec![Fp::ZERO; n],
+            places: BinaryHeap::new(),
+            listed: vec![false; n],
+            products: 0.0,
+        }
+    }
+
+    /// Products since the last call.
+    fn spent(&mut self) -> f64 {
+        std::mem::take(&mut self.products)
+    }
+
+    fn add(&mut self, i: usize, x: Fp) {
+        self.work[i] = self.work[i] + x;
+        if !self.listed[i] {
+            self.listed[i] = true;
+            self.places.push(Reverse(i));
+        }
+    }
+
+    /// The next place of the vector that is worked on, with its entry; both are taken away.
+    fn next(&mut self) -> Option<(usize, Fp)> {
+        let Reverse(i) = self.places.pop()?;
+        self.listed[i] = false;
+        Some((i, std::mem::replace(&mut self.work[i], Fp::ZERO)))
+    }
+
+    /// −A v.
+    fn times(&mut self, columns: &[Sparse<Fp>], v: &Sparse<Fp>) -> Sparse<Fp> {
+        for (j, x) in v {
+            for (i, a) in &columns[*j] {
+                self.add(*i, -(*a * *x));
+            }
+            self.products += columns[*j].len() as f64;
+        }
+        std::iter::from_fn(|| self.next()).filter(|(_, x)| !x.is_zero()).collect()
+    }
+
+    /// Adds a vector; false if it is in the span already.
+    fn insert(&mut self, v: &Sparse<Fp>) -> bool {
+        for (i, x) in v {
+            self.add(*i, *x);
+        }
+        let mut rest: Sparse<Fp> = Vec::new();
+        while let Some((i, x)) = self.next() {
+            if x.is_zero() {
+                continue;
+            }
+            let Some(row) = self.rows[i].take() else {
+                rest.push((i, x));
+                continue;
+            };
+            for (j, y) in &row[1..] {
+                self.add(*j, -(x * *y));
+            }
+            self.products += row.len() as f64;
+            self.rows[i] = Some(row);
+        }
+        let Some((first, lead)) = rest.first().copied() else { return false };
+        let scale = lead.inv().unwrap_or(Fp::ONE);
+        rest.iter_mut().for_each(|(_, x)| *x = *x * scale);
+        self.rows[first] = Some(rest);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use bracketry_symbolic::Bindings;
+    use proptest::prelude::*;
+
+    fn entries(most: usize) -> impl Strategy<Value = Vec<i64>> {
+        prop::collection::vec(prop_oneof![3 => Just(0i64), 1 => -3i64..4], most)
+    }
+
+    proptest! {
+        /// Dimensions, brackets, and distributions are those of the general closure.
+        #[test]
+        fn closures_of_linear_systems_are_those_of_vector_fields(
+            n in 1usize..7, a in entries(36), b in entries(12), d in entries(6), m in 0usize..3,
+        ) {
+            let mut pool = Pool::new();
+            let names: Vec<String> = (0..n).map(|i| format!("x{i}")).collect();
+            let states = names.iter().map(|name| pool.symbol(name)).collect();
+            let gain = pool.symbol("k");
+            let rate = |pool: &mut Pool, i: usize| {
+                let terms: Vec<String> = (0..n).map(|j| format!("{}/3*k*(x{j} + 1)", a[i * n + j])).collect();
+                pool.parse(&format!("{} + {}", terms.join(" + "), d[i])).unwrap()
+            };
+            let drift: Field = (0..n).map(|i| rate(&mut pool, i)).collect();
+            let controls = (0..m).map(|c| (0..n).map(|i| pool.int(b[c * n + i])).collect()).collect();
+            let mut bindings = Bindings::new();
+            bindings.bind(gain, Rational::from(7));
+            let fields = VectorFields::new(states, drift, controls, bindings).unwrap();
+            let evidence = &mut Evidence::default();
+            for with_drift in [true, false] {
+                let found = Krylov::of(&mut pool, &fields).unwrap().close(&mut pool, with_drift, evidence).unwrap();
+                let expected = if with_drift {
+                    fields.accessibility(&mut pool, evidence).unwrap()
+                } else {
+                    fields.strong_accessibility(&mut pool, evidence).unwrap()
+                };
+                prop_assert_eq!(&found.growth, &expected.growth);
+                prop_assert_eq!(&found.words, &expected.words);
+                let both = [&found.basis[..], &expected.basis].concat();
+                if !both.is_empty() {
+                    let rank = pool.rank(&both, &fields.bindings).unwrap().rank;
+                    prop_assert_eq!((rank, found.basis.len()), (expected.basis.len(), expected.basis.len()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_linear_or_not_known_is_no_linear_system() {
+        for (rate, input) in [("x*y", "1"), ("sin(x)", "1"), ("x^2", "1"), ("k*x", "1"), ("pi*x", "1"), ("y", "x")] {
+            let mut pool = Pool::new();
+            let states = ["x", "y"].map(|s| pool.symbol(s)).to_vec();
+            let drift = ["0", rate].map(|e| pool.parse(e).unwrap()).to_vec();
+            let control = ["0", input].map(|e| pool.parse(e).unwrap()).to_vec();
+            let fields = VectorFields::new(states, drift, vec![control], Bindings::new()).unwrap();
+            assert!(Krylov::of(&mut pool, &fields).is_none(), "{rate} {input}");
+        }
+    }
+}
