@@ -53,7 +53,9 @@ pub fn analyze_affine(system: &System, options: &AnalysisOptions) -> Result<Repo
     let smooth = modes.len() == 1 && modes[0].signs.0.is_empty();
     let pool = &mut system.pool;
     let first = pool.made();
-    let reach: Vec<Reach> = modes.iter().map(|m| Reach::of(pool, &m.fields, first, &mut evidence)).collect();
+    let point = system.point.as_ref().filter(|_| smooth);
+    let reach: Vec<Reach> =
+        modes.iter().map(|m| Reach::of_model(pool, &m.fields, point, first, &mut evidence)).collect();
     let flags: Vec<Result<LinearizationFlag, Undecided>> = modes
         .iter()
         .map(|m| check_analysis(pool, first).and_then(|()| m.fields.linearization_flag(pool, &mut evidence)))

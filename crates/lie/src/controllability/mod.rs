@@ -14,6 +14,7 @@ pub(crate) mod input_values;
 pub(crate) mod invariants;
 pub(crate) mod involutive;
 pub(crate) mod linearization;
+pub(crate) mod linearly_controllable;
 pub(crate) mod local_accessibility;
 pub(crate) mod local_degree;
 pub(crate) mod meeting;

@@ -15,6 +15,7 @@ use crate::answer::Answer;
 use crate::budget::check_analysis;
 use crate::dimensions::Dimensions;
 use crate::evidence::Evidence;
+use crate::reason::Reason;
 use crate::undecided::Undecided;
 
 impl VectorFields {
@@ -78,12 +79,14 @@ impl VectorFields {
 }
 
 /// From so many states on, linear systems are recognized; with fewer, the general closure is as fast.
-const LARGE: usize = 41;
+pub(crate) const LARGE: usize = 41;
 
 /// The distributions that the inputs generate at a generic point.
 pub(crate) struct Reach {
     pub(crate) all: Result<Closure, Undecided>,
     pub(crate) strong: Result<Closure, Undecided>,
+    /// Why the brackets were not closed, where the dimensions are those of a controllable linearization.
+    pub(crate) not_closed: Option<Undecided>,
 }
 
 impl Reach {
@@ -92,7 +95,7 @@ impl Reach {
         let large = fields.states.len() >= LARGE;
         if let Some(linear) = large.then(|| Krylov::of(pool, fields)).flatten() {
             let all = linear.close(pool, true, evidence);
-            return Reach { all, strong: linear.close(pool, false, evidence) };
+            return Reach { all, strong: linear.close(pool, false, evidence), not_closed: None };
         }
         let all = check_analysis(pool, first).and_then(|()| fields.accessibility(pool, evidence));
         let driftless = fields.drift.iter().all(|&e| pool.is_zero(e));
@@ -101,7 +104,7 @@ impl Reach {
         } else {
             check_analysis(pool, first).and_then(|()| fields.strong_accessibility(pool, evidence))
         };
-        Reach { all, strong }
+        Reach { all, strong, not_closed: None }
     }
 
     /// The words of the closures are in these generators.
@@ -116,6 +119,7 @@ impl Reach {
         Dimensions {
             basis: basis(&self.all),
             strong_basis: basis(&self.strong),
+            growth_reason: self.not_closed.clone().map(Reason::from),
             ..Dimensions::new(growth(&self.all), dimension(&self.all), growth(&self.strong), dimension(&self.strong))
         }
     }

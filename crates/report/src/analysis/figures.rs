@@ -99,7 +99,7 @@ fn field_of(inputs: &[String], i: usize, input: &str) -> String {
 
 /// One tile for each dimension, in the column of the length at which it was gained.
 fn staircase(title: &str, d: &Dimensions, n: usize, inputs: &[String]) -> TileGrid {
-    let reached = d.growth.last().copied().unwrap_or(0);
+    let reached = d.growth.last().or(d.accessible_dimension.known()).copied().unwrap_or(0);
     let mut columns: Vec<String> = (1..=d.growth.len().max(1)).map(|k| k.to_string()).collect();
     if reached < n {
         columns.push("none".to_owned());

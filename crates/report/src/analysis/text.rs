@@ -247,7 +247,15 @@ fn dimensions(f: &mut String, r: &Dimensions) -> fmt::Result {
     dimension_line(f, "accessible", &r.accessible_dimension, &r.growth)?;
     span_line(f, &r.basis)?;
     dimension_line(f, "strongly accessible", &r.strongly_accessible_dimension, &r.strong_growth)?;
-    if r.strong_basis == r.basis { Ok(()) } else { span_line(f, &r.strong_basis) }
+    if r.strong_basis != r.basis {
+        span_line(f, &r.strong_basis)?;
+    }
+    match &r.growth_reason {
+        Some(why) => {
+            writeln!(f, "    by the controllable linearization at the point; the brackets were not closed ({why})")
+        }
+        None => Ok(()),
+    }
 }
 
 /// The family of constant inputs beside the affine form.
@@ -310,13 +318,19 @@ pub(crate) fn yes_no(answer: &Answer<bool>) -> String {
 
 /// A dimension among n, with the growth that leads to it.
 fn dimension_line(f: &mut String, label: &str, dimension: &Answer<usize>, growth: &[usize]) -> fmt::Result {
-    let list: Vec<String> = growth.iter().map(ToString::to_string).collect();
+    let mut list: Vec<String> = growth.iter().map(ToString::to_string).collect();
+    if list.len() > MAX_GROWTH {
+        list.splice(MAX_GROWTH - 1..list.len() - 1, ["…".to_owned()]);
+    }
     write!(f, "  {label:<22} {dimension}")?;
     if !list.is_empty() {
         write!(f, "   (growth {})", joined(&list, ", "))?;
     }
     writeln!(f)
 }
+
+/// A longer list of growing dimensions is told in part.
+const MAX_GROWTH: usize = 24;
 
 /// More names than this are told in part.
 const MAX_NAMES: usize = 16;
