@@ -12,6 +12,12 @@ pub enum Undecided {
         /// New nodes of the pool that were allowed.
         nodes: usize,
     },
+    /// The system has very many states.
+    #[error("not decided for more than {states} states, but for the dimensions of linear systems")]
+    TooManyStates {
+        /// States up to which all questions are asked.
+        states: usize,
+    },
     /// Ranks of too many or too large matrices.
     #[error("not decided because the ranks take more than {products:e} products")]
     TooMany {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bracketry_symbolic::{Expr, Pool, Rational, Symbol, Tape, closest_name};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use bracketry_files::{Document, FileError, Table, Value};
 
@@ -326,6 +326,8 @@ impl<'d> Reader<'d> {
         // Expand by depth-first search; gray nodes on the path mean a circle.
         let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
         let mut order = Vec::new();
+        let place = entries.iter().enumerate().map(|(j, e)| (self.pool.symbol(&e.0), j));
+        let place: FxHashMap<Symbol, usize> = place.collect();
         let mut state = vec![0u8; entries.len()];
         for start in 0..entries.len() {
             let mut stack = vec![start];
@@ -336,8 +338,7 @@ impl<'d> Reader<'d> {
                 }
                 state[i] = 1;
                 let uses = self.pool.symbols_of(&[raw[i]]);
-                let open = (0..entries.len())
-                    .find(|&j| state[j] != 2 && uses.iter().any(|&s| self.pool.name(s) == entries[j].0));
+                let open = uses.iter().filter_map(|s| place.get(s)).copied().filter(|&j| state[j] != 2).min();
                 match open {
                     Some(j) if state[j] == 1 => {
                         let names: Vec<&str> =
@@ -370,9 +371,10 @@ impl<'d> Reader<'d> {
             return Err(doc.missing("the model has no equations", "add a table [dynamics] with one entry per state"));
         };
         let names: Vec<String> = self.states.iter().map(|&s| self.pool.name(s).to_owned()).collect();
+        let known: FxHashSet<&str> = names.iter().map(String::as_str).collect();
         for key in t.keys() {
             let name: &str = key.get_ref();
-            if !names.iter().any(|n| n == name) {
+            if !known.contains(name) {
                 let remedy = match closest_name(name, names.iter().map(String::as_str)) {
                     Some(near) => {
                         format!("did you mean `{near}`? Otherwise add `{name}` to states or remove the equation")

@@ -56,81 +56,117 @@ impl<'a> Krylov<'a> {
         with_drift: bool,
         evidence: &mut Evidence,
     ) -> Result<Closure, Undecided> {
+        let Chosen { growth, vectors } = self.choose(pool, with_drift, evidence)?;
+        let mut words: Vec<Word> = Vec::with_capacity(vectors.len());
+        for vector in &vectors {
+            words.push(match *vector {
+                Vector::Drift => Word::Generator(0),
+                Vector::Input(k) => Word::Generator(k + 1),
+                Vector::Image(of) => Word::bracket(Word::Generator(0), words[of].clone()),
+            });
+        }
+        let basis = self.basis(pool, &vectors)?;
+        Ok(Closure { growth, basis, words })
+    }
+
+    /// The growth of its dimension alone, which takes no more memory than the vectors have entries.
+    ///
+    /// # Errors
+    /// [`Undecided`] at a limit.
+    pub(crate) fn growth(
+        &self,
+        pool: &Pool,
+        with_drift: bool,
+        evidence: &mut Evidence,
+    ) -> Result<Vec<usize>, Undecided> {
+        Ok(self.choose(pool, with_drift, evidence)?.growth)
+    }
+
+    fn choose(&self, pool: &Pool, with_drift: bool, evidence: &mut Evidence) -> Result<Chosen, Undecided> {
         let n = self.fields.states.len();
         let mut span = SparseSpan::empty(n);
-        let mut words = Vec::new();
-        // Vectors of the last round with the numbers of their words; the drift's own bracket vanishes.
+        let mut vectors = Vec::new();
+        // Vectors of the last round with their numbers; the drift's own bracket vanishes.
         let mut fresh: Vec<(Sparse<Fp>, usize)> = Vec::new();
         let drift = self.drift.values.iter().flatten().copied().enumerate().filter(|(_, x)| !x.is_zero());
         if with_drift && span.insert(&drift.collect()) {
-            words.push(Word::Generator(0));
+            vectors.push(Vector::Drift);
         }
         for (k, b) in self.inputs.iter().enumerate() {
             if span.insert(b) {
-                fresh.push((b.clone(), words.len()));
-                words.push(Word::Generator(k + 1));
+                fresh.push((b.clone(), vectors.len()));
+                vectors.push(Vector::Input(k));
             }
         }
-        let mut growth = vec![words.len()];
-        // The numbers of the words that the later ones are brackets of.
-        let mut before = Vec::new();
-        let mut any = !words.is_empty();
-        while any && words.len() < n {
+        let mut growth = vec![vectors.len()];
+        let mut any = !vectors.is_empty();
+        while any && vectors.len() < n {
             let mut next = Vec::new();
-            for (v, word) in fresh {
+            for (v, of) in fresh {
                 if let Some(limit) = pool.reached_limit() {
                     return Err(limit.into());
                 }
                 let image = span.times(&self.columns, &v);
                 if span.insert(&image) {
-                    next.push((image, words.len()));
-                    before.push(word);
-                    words.push(Word::bracket(Word::Generator(0), words[word].clone()));
+                    next.push((image, vectors.len()));
+                    vectors.push(Vector::Image(of));
                 }
                 evidence.spend(span.spent())?;
             }
             fresh = next;
             any = !fresh.is_empty();
-            growth.push(words.len());
+            growth.push(vectors.len());
         }
-        evidence.add_rank(&self.drift, words.len())?;
-        let basis = self.basis(pool, &words, &before)?;
-        Ok(Closure { growth, basis, words })
+        evidence.add_rank(&self.drift, vectors.len())?;
+        Ok(Chosen { growth, vectors })
     }
 
-    /// Fields that span the distribution of these words: coordinate fields where it is everything, else the brackets themselves.
-    fn basis(&self, pool: &mut Pool, words: &[Word], before: &[usize]) -> Result<Vec<Field>, Undecided> {
+    /// Fields that span the distribution: coordinate fields where it is everything, else the brackets themselves.
+    fn basis(&self, pool: &mut Pool, vectors: &[Vector]) -> Result<Vec<Field>, Undecided> {
         let n = self.fields.states.len();
         let (zero, one) = (pool.int(0), pool.int(1));
-        if words.len() == n {
+        if vectors.len() == n {
             return Ok((0..n).map(|i| (0..n).map(|j| if i == j { one } else { zero }).collect()).collect());
         }
         let first = pool.len();
-        let mut exact: Vec<Sparse<Rational>> = Vec::new();
-        let mut made: Vec<Field> = Vec::with_capacity(words.len());
-        for word in words {
-            let vector = match word {
-                Word::Generator(0) => {
-                    exact.push(Vec::new());
-                    made.push(self.fields.drift.clone());
-                    continue;
-                }
-                Word::Generator(g) => self.linear.inputs[g - 1].clone(),
-                Word::Bracket(_) => {
-                    let of = before[exact.len() + before.len() - words.len()];
-                    negative_image(&self.linear.columns, &exact[of])
-                }
-            };
+        let mut exact: Vec<Sparse<Rational>> = Vec::with_capacity(vectors.len());
+        let mut made: Vec<Field> = Vec::with_capacity(vectors.len());
+        for vector in vectors {
+            exact.push(match *vector {
+                Vector::Drift => Vec::new(),
+                Vector::Input(k) => self.linear.inputs[k].clone(),
+                Vector::Image(of) => negative_image(&self.linear.columns, &exact[of]),
+            });
+            if matches!(vector, Vector::Drift) {
+                made.push(self.fields.drift.clone());
+                continue;
+            }
             check_size(pool, first)?;
             let mut field = vec![zero; n];
-            for (i, c) in &vector {
+            for (i, c) in exact.iter().last().into_iter().flatten() {
                 field[*i] = pool.rational(c.clone());
             }
             made.push(field);
-            exact.push(vector);
         }
         Ok(made)
     }
+}
+
+/// A vector of a closure.
+#[derive(Clone, Copy)]
+enum Vector {
+    /// The drift.
+    Drift,
+    /// The input field with this number.
+    Input(usize),
+    /// The bracket of the drift with the vector of this number.
+    Image(usize),
+}
+
+/// Independent vectors, the first `growth[k]` of them after k rounds of brackets.
+struct Chosen {
+    growth: Vec<usize>,
+    vectors: Vec<Vector>,
 }
 
 /// −A v.

@@ -11,6 +11,7 @@ use crate::algebra::integrals::search::Among;
 use crate::algebra::word::generators;
 use crate::analysis::brackets;
 use crate::analysis::influence::{ReachTable, Reached, influence};
+use crate::analysis::large::{MAX_STATES, large_report};
 use crate::analysis::report::{Effort, ModeReport, Report, SmoothedReport};
 use crate::answer::Answer;
 use crate::budget::{check_analysis, release};
@@ -50,6 +51,9 @@ pub fn analyze_affine(system: &System, options: &AnalysisOptions) -> Result<Repo
     let words = brackets::read(&system, &options.brackets)?;
     check_inputs(&system, options)?;
     let modes = mode_fields(&mut system)?;
+    if system.states.len() > MAX_STATES {
+        return Ok(large_report(&mut system, &modes, start));
+    }
     let smooth = modes.len() == 1 && modes[0].signs.0.is_empty();
     let pool = &mut system.pool;
     let first = pool.made();

@@ -229,7 +229,7 @@ pub(crate) fn report(
 fn later(first: Undecided, second: Undecided) -> Undecided {
     match first {
         Undecided::TooLarge { .. } | Undecided::TooMany { .. } => second,
-        Undecided::Exact(_) => first,
+        Undecided::Exact(_) | Undecided::TooManyStates { .. } => first,
     }
 }
 

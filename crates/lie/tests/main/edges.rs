@@ -257,3 +257,20 @@ fn systems_of_many_inputs_are_decided() {
         assert_eq!(dimensions.accessible_dimension.known(), Some(&dimension), "{dimensions:?}");
     }
 }
+
+/// Of very many states, dimensions alone are determined, and the rest is said to be unknown.
+#[test]
+fn the_dimensions_of_a_very_large_linear_system_are_decided() {
+    let n = 5001;
+    let names: Vec<String> = (1..=n).map(|i| format!("x{i}")).collect();
+    for last in ["u", "x1"] {
+        let mut dynamics: Vec<&str> = names[1..].iter().map(String::as_str).collect();
+        dynamics.push(last);
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let r = report(&system(&names, &["u"], &[], &dynamics, &[], None));
+        let (dimensions, reached) = (&r.modes[0].dimensions, if last == "u" { n } else { 0 });
+        assert_eq!(dimensions.strongly_accessible_dimension.known(), Some(&reached), "{last}");
+        assert_eq!(dimensions.accessible_dimension.known(), Some(&reached.max(1)), "{last}");
+        assert!(r.involutive.reason().unwrap().to_string().contains("5000 states"));
+    }
+}

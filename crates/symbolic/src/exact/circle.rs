@@ -13,6 +13,8 @@ type Point<const C: u64> = (Residue<C>, Residue<C>);
 
 /// Larger multiples of a base angle are refused.
 pub(super) const MAX_MULTIPLE: u64 = 1 << 32;
+/// Most terms of a sum among which a new indeterminate is sought.
+const MAX_TERMS: usize = 32;
 /// Trial points beyond the number of unknowns of a linear relation.
 pub(super) const SPARE: usize = 6;
 
@@ -23,7 +25,7 @@ impl<const C: u64> Lowering<'_, C> {
             return Ok(p);
         }
         let value = self.registers[&arg];
-        let relation = if self.is_new_symbol(arg) {
+        let relation = if self.has_new_symbol(arg) {
             None
         } else {
             let mut basis = vec![self.pi()];
@@ -45,12 +47,32 @@ impl<const C: u64> Lowering<'_, C> {
         Ok(point)
     }
 
-    /// An indeterminate that no angle so far depends on is no combination of them; seeing that saves the elimination.
-    fn is_new_symbol(&self, arg: Expr) -> bool {
-        match self.pool.node(arg) {
-            Node::Sym(s) => !self.exact.contains_key(&arg) && !self.circle.symbols.contains(&s),
-            _ => false,
+    /// A sum with an indeterminate, or a multiple of one, that neither its other terms nor the angles so far depend on is no
+    /// combination of them; seeing that saves the elimination.
+    fn has_new_symbol(&self, arg: Expr) -> bool {
+        let mut terms = vec![arg];
+        let mut open = 0;
+        while open < terms.len() && terms.len() <= MAX_TERMS {
+            match self.pool.node(terms[open]) {
+                Node::Add(a, b) => {
+                    terms[open] = a;
+                    terms.push(b);
+                }
+                _ => open += 1,
+            }
         }
+        let indeterminate = |e: Expr| match self.pool.node(e) {
+            Node::Sym(s) => (!self.exact.contains_key(&e) && !self.circle.symbols.contains(&s)).then_some(s),
+            _ => None,
+        };
+        let new = |t: Expr| match self.pool.node(t) {
+            Node::Mul(a, b) if self.pool.number(a).is_some() => indeterminate(b),
+            Node::Mul(a, b) if self.pool.number(b).is_some() => indeterminate(a),
+            _ => indeterminate(t),
+        };
+        (0..terms.len()).any(|k| {
+            new(terms[k]).is_some_and(|s| (0..terms.len()).all(|l| l == k || !self.pool.depends_on(terms[l], s)))
+        })
     }
 
     /// The rational coefficients by which register `value` is a combination of `basis`; `None` if it is independent.
