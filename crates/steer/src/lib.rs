@@ -21,6 +21,7 @@ mod chained;
 mod correction;
 mod driver;
 mod flat;
+pub mod from_rest;
 mod hall_algebra;
 mod nilpotent;
 mod options;

@@ -1,0 +1,186 @@
+//! The answer: friction cones first, then loops.
+
+use std::time::Instant;
+
+use bracketry_system::System;
+
+use super::bounds::{Bound, Span, derivative_name};
+use super::displacement::Plant;
+use super::held::{Held, Motion, Test, Where};
+use super::margin::margin;
+use super::model::RestModel;
+use super::result::{
+    Answer, CoordinateAnswer, Displacement, FromRest, FromRestError, FromRestOptions, FromRestReason, Proof, Stroke,
+};
+use super::strokes::{self, Loop};
+
+/// Durations of loops, relative to the full ones, at which displacements are computed.
+const SCALES: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+/// A displacement below this part of the size of the coordinate, at least of this much, is rounding of the simulation.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether inputs within their bounds move the coordinates of a model from rest to rest, near its point.
+///
+/// # Errors
+/// [`FromRestError`] for bounds that do not fit the model, and for models that cannot be simulated.
+pub fn from_rest(system: &System, options: &FromRestOptions) -> Result<FromRest, FromRestError> {
+    let deadline = options.time_limit.and_then(|limit| Instant::now().checked_add(limit));
+    let mut model = match RestModel::new(system, &options.bounds)? {
+        Ok(model) => model,
+        Err(reason) => return Ok(FromRest::without_answer(&system.name, reason)),
+    };
+    model.system.pool.set_stop_flag(options.stop.clone());
+    model.system.pool.set_deadline(deadline);
+    let is_over = || options.stop.is_raised() || deadline.is_some_and(|d| Instant::now() >= d);
+    let held = global(&mut model);
+    let moving =
+        |motions: &[Motion]| -> Vec<usize> { (0..motions.len()).filter(|&c| motions[c] != Motion::Never).collect() };
+    let open = moving(&held.motions);
+    let mut strokes = Vec::new();
+    let (mut tried, mut stopped) = (0, false);
+    if !open.is_empty() {
+        let mut plant = Plant::new(&model, &options.stop)?;
+        for stroke in strokes::single(&mut model) {
+            if is_over() {
+                stopped = true;
+                break;
+            }
+            tried += 1;
+            strokes.extend(examined(&mut model, &mut plant, &stroke));
+        }
+    }
+    Ok(answered(system, &mut model, held, strokes, tried, stopped))
+}
+
+/// What friction holds for all admissible inputs.
+pub(crate) fn global(model: &mut RestModel) -> Held {
+    let inputs: Vec<Vec<Span>> = model.channels.iter().map(|c| c.spans.clone()).collect();
+    Test { model, inputs: &inputs, place: Where::Anywhere }.run()
+}
+
+/// What a loop does; `None` if it moves nothing, or does not end at rest.
+fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop) -> Option<Stroke> {
+    let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
+    let mut displacements = Vec::new();
+    let mut signals = None;
+    for scale in SCALES {
+        let Some((change, under)) = plant.displaced(model, &at, stroke, scale) else { break };
+        signals.get_or_insert(under);
+        displacements.push(Displacement { scale, change });
+    }
+    let full = displacements.first()?;
+    if full.change.iter().zip(&at).all(|(d, q)| d.abs() <= ROUNDING * q.abs().max(1.0)) {
+        return None;
+    }
+    let inputs = stroke.spans(model);
+    let held = Test { model, inputs: &inputs, place: Where::Near }.run();
+    let mut moved = held.motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
+    let proven = match (moved.next(), moved.next()) {
+        (Some((c, Motion::OnlyUp)), None) if full.change[c] > ROUNDING => Some((c, 1.0)),
+        (Some((c, Motion::OnlyDown)), None) if full.change[c] < -ROUNDING => Some((c, -1.0)),
+        _ => None,
+    };
+    Some(Stroke {
+        inputs: stroke.moved.iter().map(|&j| model.channels[j].name.clone()).collect(),
+        shape: stroke.shape.clone(),
+        duration: stroke.duration(),
+        displacements,
+        proven,
+        signals: signals?,
+    })
+}
+
+fn answered(
+    system: &System,
+    model: &mut RestModel,
+    held: Held,
+    strokes: Vec<Stroke>,
+    tried: usize,
+    stopped: bool,
+) -> FromRest {
+    let count = model.coordinates.len();
+    let open: Vec<usize> = (0..count).filter(|&c| held.motions[c] != Motion::Never).collect();
+    let size = |c: usize| strokes.iter().map(|s| s.displacements[0].change[c].abs()).fold(0.0, f64::max);
+    let sizes: Vec<f64> = (0..count).map(size).collect();
+    let directions: Vec<Vec<f64>> =
+        strokes.iter().map(|s| direction(&s.displacements[0].change, &sizes, &open)).collect();
+    let margin = if open.is_empty() { 0.0 } else { margin(&directions) };
+    let proven = |c: usize, sign: f64| strokes.iter().any(|s| s.proven == Some((c, sign)));
+    let both = |c: usize| proven(c, 1.0) && proven(c, -1.0);
+    let all_proven = open.iter().all(|&c| both(c));
+    let answer = |c: usize| match held.motions[c] {
+        Motion::Never | Motion::OnlyUp | Motion::OnlyDown => Answer::No,
+        Motion::Open if both(c) => Answer::Yes { proof: Proof::Proven },
+        Motion::Open if margin > 0.0 => Answer::Yes { proof: Proof::Evidence },
+        Motion::Open => Answer::Unknown,
+    };
+    let names = model.coordinate_names();
+    let coordinates: Vec<CoordinateAnswer> = (0..count)
+        .map(|c| CoordinateAnswer {
+            name: names[c].clone(),
+            at: model.at[c].value,
+            motion: held.motions[c],
+            answer: answer(c),
+        })
+        .collect();
+    let any = |a: Answer| coordinates.iter().any(|c| c.answer == a);
+    let total = if any(Answer::No) {
+        Answer::No
+    } else if any(Answer::Unknown) {
+        Answer::Unknown
+    } else {
+        Answer::Yes { proof: if all_proven { Proof::Proven } else { Proof::Evidence } }
+    };
+    let reason =
+        any(Answer::Unknown).then(|| if stopped { FromRestReason::Stopped } else { FromRestReason::Loops { tried } });
+    FromRest {
+        model: system.name.clone(),
+        answer: total,
+        reason,
+        coordinates,
+        bounds: bounds(model),
+        cones: held.cones,
+        strokes,
+        sizes,
+        margin,
+    }
+}
+
+/// A displacement in units of the sizes, of length 1, over the coordinates that move.
+fn direction(change: &[f64], sizes: &[f64], open: &[usize]) -> Vec<f64> {
+    let scaled: Vec<f64> = open.iter().map(|&c| if sizes[c] > 0.0 { change[c] / sizes[c] } else { 0.0 }).collect();
+    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+    scaled.iter().map(|x| if length > 0.0 { x / length } else { 0.0 }).collect()
+}
+
+/// All bounds that hold.
+fn bounds(model: &RestModel) -> Vec<Bound> {
+    let mut list = Vec::new();
+    for channel in &model.channels {
+        for (order, span) in channel.spans.iter().enumerate().filter(|(_, s)| s.is_finite()) {
+            list.push(Bound::new(&derivative_name(&channel.name, order), span.ends[0], span.ends[1]));
+        }
+    }
+    for (name, region) in model.coordinate_names().iter().zip(&model.region) {
+        if let Some(span) = region {
+            list.push(Bound::new(name, span.ends[0], span.ends[1]));
+        }
+    }
+    list
+}
+
+impl FromRest {
+    fn without_answer(model: &str, reason: FromRestReason) -> Self {
+        FromRest {
+            model: model.to_owned(),
+            answer: Answer::Unknown,
+            reason: Some(reason),
+            coordinates: Vec::new(),
+            bounds: Vec::new(),
+            cones: Vec::new(),
+            strokes: Vec::new(),
+            sizes: Vec::new(),
+            margin: 0.0,
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Loops of the inputs: from rest to rest, with constant highest derivatives in between.
+
+use bracketry_sim::Hold;
+use serde::Serialize;
+
+use super::bounds::Span;
+use super::held::{Motion, Test, Where};
+use super::model::{Channel, RestModel};
+use crate::signals::Signals;
+
+/// Loops stay within this part of the bounds, so that corrections find room.
+const ROOM: f64 = 0.999;
+/// Length of the first piece of a loop that no bound limits, s.
+const FIRST_PIECE: f64 = 0.1;
+/// A return is slower than the slowest one that moves anything by this factor.
+const SLOW: f64 = 0.9;
+/// Bisections of the acceleration of a return.
+const BISECTIONS: usize = 20;
+
+/// The shape of a loop.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "shape")]
+pub enum Shape {
+    /// The acceleration of an input is large first, then within what friction holds until the input is back.
+    FastSlow {
+        /// Acceleration of the first piece.
+        fast: f64,
+        /// Size of the acceleration on the way back.
+        slow: f64,
+    },
+    /// An input goes to a value, stays there, and comes back.
+    Lift {
+        /// Difference of that value from the value at rest.
+        peak: f64,
+    },
+}
+
+/// A loop of the inputs, from rest to rest.
+#[derive(Clone, Debug)]
+pub(crate) struct Loop {
+    pub(crate) shape: Shape,
+    /// The inputs that move.
+    pub(crate) moved: Vec<usize>,
+    /// Values of the highest derivatives, and how long they last, s.
+    pub(crate) pieces: Vec<(Vec<f64>, f64)>,
+}
+
+impl Loop {
+    /// One input moves, the others rest.
+    fn of_one(model: &RestModel, channel: usize, shape: Shape, pieces: &[(f64, f64)]) -> Self {
+        let rest = rest_values(model);
+        let row = |&(value, duration): &(f64, f64)| {
+            let mut row = rest.clone();
+            row[channel] += value;
+            (row, duration)
+        };
+        Loop { shape, moved: vec![channel], pieces: pieces.iter().map(row).collect() }
+    }
+
+    pub(crate) fn duration(&self) -> f64 {
+        self.pieces.iter().map(|p| p.1).sum()
+    }
+
+    /// The loop with all durations times `scale`, and a pause at the end.
+    pub(crate) fn signals(&self, model: &RestModel, scale: f64, pause: f64) -> Signals {
+        let (mut times, mut values, mut t) = (Vec::new(), Vec::new(), 0.0);
+        for (row, duration) in &self.pieces {
+            times.push(t);
+            values.push(row.clone());
+            t += scale * duration;
+        }
+        let rest = rest_values(model);
+        times.extend([t, t + pause]);
+        values.extend([rest.clone(), rest]);
+        Signals { times, values, hold: Hold::Previous }
+    }
+
+    /// The values that inputs and derivatives take along the loop, however short.
+    pub(crate) fn spans(&self, model: &RestModel) -> Vec<Vec<Span>> {
+        let of = |(j, channel): (usize, &Channel)| {
+            if !self.moved.contains(&j) {
+                return channel.at_home();
+            }
+            let order = channel.order();
+            let mut state: Vec<f64> = (0..=order).map(|k| if k == 0 { channel.home.value } else { 0.0 }).collect();
+            let mut ends: Vec<[f64; 2]> = state.iter().map(|&x| [x, x]).collect();
+            for (row, duration) in &self.pieces {
+                state[order] = row[j];
+                // Extremes inside a piece of derivatives below the highest but one lie where the next one changes sign.
+                let mut instants = vec![*duration];
+                if order == 2 && row[j] != 0.0 {
+                    instants.push((-state[1] / row[j]).clamp(0.0, *duration));
+                }
+                instants.push(0.0);
+                for t in instants {
+                    for (k, x) in advanced(&state, t).into_iter().enumerate() {
+                        ends[k] = [ends[k][0].min(x), ends[k][1].max(x)];
+                    }
+                }
+                state = advanced(&state, *duration);
+            }
+            // Rounding of the sums above.
+            let slack = |x: f64| 1e-12 * x.abs().max(1e-3);
+            let spans = ends.iter().enumerate().map(|(k, &[low, high])| {
+                if k == order { Span::between(low, high) } else { Span::between(low - slack(low), high + slack(high)) }
+            });
+            spans.collect()
+        };
+        model.channels.iter().enumerate().map(of).collect()
+    }
+}
+
+/// An input and its derivatives after a time with a constant highest derivative.
+fn advanced(state: &[f64], t: f64) -> Vec<f64> {
+    let series = |k: usize| {
+        let mut factor = 1.0;
+        let mut sum = 0.0;
+        for (i, x) in state[k..].iter().enumerate() {
+            sum += factor * x;
+            factor *= t / (i + 1) as f64;
+        }
+        sum
+    };
+    (0..state.len()).map(series).collect()
+}
+
+/// What the inputs of the model with integrators are at rest.
+pub(crate) fn rest_values(model: &RestModel) -> Vec<f64> {
+    model.channels.iter().map(|c| if c.order() == 0 { c.home.value } else { 0.0 }).collect()
+}
+
+/// Loops of single inputs.
+pub(crate) fn single(model: &mut RestModel) -> Vec<Loop> {
+    let mut list = Vec::new();
+    for channel in 0..model.channels.len() {
+        for up in [true, false] {
+            list.extend(lift(model, channel, up));
+            list.extend(fast_slow(model, channel, up));
+        }
+    }
+    list
+}
+
+/// How far a derivative may go up or down from rest.
+fn room(channel: &Channel, order: usize, up: bool) -> f64 {
+    let rest = if order == 0 { channel.home.value } else { 0.0 };
+    let [low, high] = channel.spans[order].ends;
+    ROOM * (if up { high - rest } else { rest - low })
+}
+
+fn lift(model: &RestModel, j: usize, up: bool) -> Option<Loop> {
+    let channel = &model.channels[j];
+    let sign = if up { 1.0 } else { -1.0 };
+    let far = room(channel, 0, up);
+    let (peak, pieces) = match channel.order() {
+        0 => (far, vec![(sign * far, FIRST_PIECE)]),
+        1 => {
+            let rate = room(channel, 1, true).min(room(channel, 1, false));
+            let t = if far.is_finite() { far / rate } else { FIRST_PIECE };
+            (rate * t, vec![(sign * rate, t), (0.0, t), (-sign * rate, t)])
+        }
+        2 => {
+            let a = room(channel, 2, true).min(room(channel, 2, false));
+            let speed = room(channel, 1, true).min(room(channel, 1, false));
+            let mut t = if far.is_finite() { (far / a).sqrt() } else { FIRST_PIECE };
+            // At the limit of speed, the input coasts.
+            let coast = if a * t > speed { far / speed - speed / a } else { 0.0 };
+            t = t.min(speed / a);
+            let peak = a * t * (t + coast);
+            (
+                peak,
+                vec![
+                    (sign * a, t),
+                    (0.0, coast),
+                    (-sign * a, t),
+                    (0.0, t),
+                    (-sign * a, t),
+                    (0.0, coast),
+                    (sign * a, t),
+                ],
+            )
+        }
+        _ => return None,
+    };
+    let pieces: Vec<(f64, f64)> = pieces.into_iter().filter(|p| p.1 > 0.0).collect();
+    let is_loop = peak.is_finite() && peak > 0.0 && pieces.iter().all(|p| p.0.is_finite() && p.1.is_finite());
+    is_loop.then(|| Loop::of_one(model, j, Shape::Lift { peak: sign * peak }, &pieces))
+}
+
+fn fast_slow(model: &mut RestModel, j: usize, up: bool) -> Option<Loop> {
+    let channel = &model.channels[j];
+    if channel.order() != 2 {
+        return None;
+    }
+    let sign = if up { 1.0 } else { -1.0 };
+    let fast = room(channel, 2, up);
+    let limit = room(channel, 2, true).min(room(channel, 2, false));
+    let speed = room(channel, 1, up);
+    let back_speed = room(channel, 1, !up);
+    let far = room(channel, 0, up);
+    if !(limit > 0.0) {
+        return None;
+    }
+    let slow = held_acceleration(model, j, limit)?;
+    // The input goes to fast t²/2 (1 + fast/slow), and is back with √(slow · that) as its highest speed.
+    let reach = 0.5 * fast * (1.0 + fast / slow);
+    let t = FIRST_PIECE.min(speed / fast).min((far / reach).sqrt()).min((back_speed.powi(2) / (slow * reach)).sqrt());
+    let back = (reach / slow).sqrt() * t;
+    let pieces = [(sign * fast, t), (-sign * slow, fast * t / slow + back), (sign * slow, back)];
+    let is_loop = t > 0.0 && pieces.iter().all(|p| p.0.is_finite() && p.1.is_finite());
+    is_loop.then(|| Loop::of_one(model, j, Shape::FastSlow { fast: sign * fast, slow }, &pieces))
+}
+
+/// The largest acceleration of an input, up to a limit, that moves no coordinate near the point, times [`SLOW`].
+fn held_acceleration(model: &mut RestModel, j: usize, limit: f64) -> Option<f64> {
+    let mut holds = |size: f64| {
+        let mut inputs: Vec<Vec<Span>> = model.channels.iter().map(Channel::at_home).collect();
+        inputs[j] = model.channels[j].spans.clone();
+        let order = model.channels[j].order();
+        inputs[j][order] = Span::between(-size, size);
+        let held = Test { model, inputs: &inputs, place: Where::Near }.run();
+        held.motions.iter().all(|m| *m == Motion::Never)
+    };
+    if holds(limit) {
+        return Some(limit * SLOW);
+    }
+    let (mut low, mut high) = (0.0, limit);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    (low > 0.0).then_some(SLOW * low)
+}
