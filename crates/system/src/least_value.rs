@@ -30,8 +30,7 @@ impl LeastValue {
         let mut all = vec![e];
         all.extend(pool.gradient(e, variables));
         let mut enclosed = Enclosed::new(pool, variables, &all)?;
-        let region: Vec<Enclosure> =
-            region.iter().map(|&[lower, upper]| Enclosure { lower, upper }).collect();
+        let region: Vec<Enclosure> = region.iter().map(|&[lower, upper]| Enclosure { lower, upper }).collect();
         let found = least(&mut enclosed, 1.0, &region)?;
         Some(LeastValue { value: found.value, corner: found.corner })
     }

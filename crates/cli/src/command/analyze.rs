@@ -21,7 +21,7 @@ use super::progress::spinner;
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
-pub(crate) const EXAMPLES: [(&str, &str); 7] = [
+pub(crate) const EXAMPLES: [(&str, &str); 8] = [
     ("Analyze a model", "bracketry analyze models/plate_published.toml"),
     ("At another point, as Markdown", "bracketry analyze models/cart_pole.toml --at th=pi --markdown"),
     ("Brackets written out", "bracketry analyze models/unicycle.toml --bracket \"[g1,g2]\""),
@@ -33,6 +33,10 @@ pub(crate) const EXAMPLES: [(&str, &str); 7] = [
     (
         "Local and global identifiability of the parameters",
         "bracketry analyze model.toml --identifiability --known-initial x1=0",
+    ),
+    (
+        "Which rest states are reached under dry friction",
+        "bracketry analyze models/shaken_table.toml --from-rest --bounds \"der(X,2)=-4..4\"",
     ),
     ("Write report, affine model, and figures to a folder", "bracketry analyze models/cart_pole.toml --out out"),
 ];
@@ -69,7 +73,14 @@ pub(crate) struct AnalyzeArgs {
     determines: Vec<String>,
     /// Stop after this many seconds; what is undecided by then is reported as unknown
     #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = time_limit)]
-    time_limit: Duration,
+    pub(crate) time_limit: Duration,
+    /// Which rest states inputs within bounds reach from the rest state at the point, under dry friction
+    #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "map", "identifiability"])]
+    from_rest: bool,
+    /// Bounds of inputs, of their derivatives, and of states, such as "der(X,2)=-4..4,theta=-0.2..0.2", for --from-rest;
+    /// beside the ranges of the model
+    #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true, requires = "from_rest")]
+    pub(crate) bounds: Option<String>,
     /// Parameters whose values are left open, or "symbolic" for all: at which of their values do the verdicts change?
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
@@ -119,6 +130,12 @@ pub(crate) fn time_limit(text: &str) -> Result<Duration, String> {
 /// Prints what the inputs of a model reach.
 pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let mut system = System::read(&args.model)?;
+    if args.from_rest {
+        if let Some(at) = &args.at {
+            system.point = Some(bracketry::point(&mut system, at).context("--at")?);
+        }
+        return super::from_rest::run(&system, args, output);
+    }
     if args.identifiability {
         return identifiable(&system, args, output);
     }

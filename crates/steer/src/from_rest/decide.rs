@@ -141,7 +141,9 @@ fn answered(
         bounds: bounds(model),
         cones: held.cones,
         strokes,
+        moving: open,
         sizes,
+        directions,
         margin,
     }
 }
@@ -179,7 +181,9 @@ impl FromRest {
             bounds: Vec::new(),
             cones: Vec::new(),
             strokes: Vec::new(),
+            moving: Vec::new(),
             sizes: Vec::new(),
+            directions: Vec::new(),
             margin: 0.0,
         }
     }

@@ -110,8 +110,12 @@ pub struct FromRest {
     pub cones: Vec<Cone>,
     /// The loops that displace a coordinate.
     pub strokes: Vec<Stroke>,
+    /// The coordinates that nothing holds, by place in `coordinates`.
+    pub moving: Vec<usize>,
     /// Sizes of displacements by which directions are made comparable, by coordinate.
     pub sizes: Vec<f64>,
+    /// By loop, the direction of its displacement over the moving coordinates, in units of the sizes, of length 1.
+    pub directions: Vec<Vec<f64>>,
     /// Radius of the ball about 0 in the hull of the directions of displacement, over the coordinates that move.
     pub margin: f64,
 }

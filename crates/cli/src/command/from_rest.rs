@@ -1,0 +1,31 @@
+//! `bracketry analyze --from-rest`: which rest states inputs within bounds reach.
+
+use anyhow::Context;
+use bracketry::report::from_rest::{from_rest_cones, from_rest_json, from_rest_text};
+use bracketry::steer::from_rest::{Answer, Bound, FromRestOptions, from_rest};
+use bracketry::system::System;
+
+use super::analyze::AnalyzeArgs;
+use super::output::{figure, folder, json, print, write};
+use super::progress::spinner;
+use super::{Outcome, OutputArgs};
+
+/// Prints the answer, and draws the cone of displacements.
+pub(crate) fn run(system: &System, args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let bounds = args.bounds.as_deref().map_or(Ok(Vec::new()), Bound::list).context("--bounds")?;
+    let options = FromRestOptions { bounds, time_limit: Some(args.time_limit), ..FromRestOptions::default() };
+    let progress = spinner("friction cones and loops");
+    let found = from_rest(system, &options).with_context(|| args.model.display().to_string())?;
+    progress.finish_and_clear();
+    let (text, value) = (from_rest_text(&found), json(&from_rest_json(&found))?);
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("from_rest.txt"), &text)?;
+        write(&dir.join("from_rest.json"), &value)?;
+        for (name, drawing) in from_rest_cones(&found) {
+            figure(drawing, &dir.join(format!("displacements_{name}")));
+        }
+    }
+    print(if output.json { &value } else { &text })?;
+    Ok(if found.answer == Answer::Unknown { Outcome::Negative } else { Outcome::Done })
+}
