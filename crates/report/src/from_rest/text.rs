@@ -20,6 +20,11 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
         Shape::FastSlow { fast, slow } => {
             format!("{inputs} accelerates at {}, and comes back within {}", readable(*fast), readable(*slow))
         }
+        Shape::Together { accelerations: [a, b], twice } => {
+            let both =
+                format!("{inputs} go off and back together, with accelerations {} and {}", readable(*a), readable(*b));
+            if *twice { format!("{both}, and again with the opposite sign of the second") } else { both }
+        }
         Shape::Lift { peak } => format!("{inputs} goes off by {}, and comes back", readable(*peak)),
     }
 }

@@ -15,7 +15,7 @@ use super::result::{
 use super::strokes::{self, Loop};
 
 /// Durations of loops, relative to the full ones, at which displacements are computed.
-const SCALES: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+const SHORTER: [f64; 3] = [0.5, 0.25, 0.125];
 /// A displacement below this part of the size of the coordinate, at least of this much, is rounding of the simulation.
 const ROUNDING: f64 = 1e-9;
 
@@ -40,7 +40,8 @@ pub fn from_rest(system: &System, options: &FromRestOptions) -> Result<FromRest,
     let (mut tried, mut stopped) = (0, false);
     if !open.is_empty() {
         let mut plant = Plant::new(&model, &options.stop)?;
-        for stroke in strokes::single(&mut model) {
+        let loops = [strokes::single(&mut model), strokes::pairs(&mut model)].concat();
+        for stroke in loops {
             if is_over() {
                 stopped = true;
                 break;
@@ -55,25 +56,24 @@ pub fn from_rest(system: &System, options: &FromRestOptions) -> Result<FromRest,
 /// What friction holds for all admissible inputs.
 pub(crate) fn global(model: &mut RestModel) -> Held {
     let inputs: Vec<Vec<Span>> = model.channels.iter().map(|c| c.spans.clone()).collect();
-    Test { model, inputs: &inputs, place: Where::Anywhere }.run()
+    Test::new(model, &inputs, Where::Anywhere).run()
 }
 
 /// What a loop does; `None` if it moves nothing, or does not end at rest.
 fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop) -> Option<Stroke> {
     let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
-    let mut displacements = Vec::new();
-    let mut signals = None;
-    for scale in SCALES {
-        let Some((change, under)) = plant.displaced(model, &at, stroke, scale) else { break };
-        signals.get_or_insert(under);
-        displacements.push(Displacement { scale, change });
+    let whole = plant.displaced(model, &at, stroke, 1.0)?;
+    let mut displacements = vec![Displacement { scale: 1.0, change: whole.change.clone() }];
+    for scale in SHORTER {
+        let Some(found) = plant.displaced(model, &at, stroke, scale) else { break };
+        displacements.push(Displacement { scale, change: found.change });
     }
     let full = displacements.first()?;
     if full.change.iter().zip(&at).all(|(d, q)| d.abs() <= ROUNDING * q.abs().max(1.0)) {
         return None;
     }
-    let inputs = stroke.spans(model);
-    let held = Test { model, inputs: &inputs, place: Where::Near }.run();
+    let inputs = whole.closed.spans(model);
+    let held = Test::new(model, &inputs, Where::Near).run();
     let mut moved = held.motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
     let proven = match (moved.next(), moved.next()) {
         (Some((c, Motion::OnlyUp)), None) if full.change[c] > ROUNDING => Some((c, 1.0)),
@@ -86,7 +86,7 @@ fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop) -> Option<S
         duration: stroke.duration(),
         displacements,
         proven,
-        signals: signals?,
+        signals: whole.signals,
     })
 }
 

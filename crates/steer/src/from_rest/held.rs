@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use super::bounds::{Span, derivative_name};
-use super::model::{Law, RestModel};
+use super::model::{Group, Law, RestModel};
 
 /// How a coordinate may move from rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -76,15 +76,68 @@ struct Forces {
 }
 
 pub(crate) struct Test<'a> {
-    pub(crate) model: &'a mut RestModel,
-    pub(crate) inputs: Box<'a>,
-    pub(crate) place: Where,
+    model: &'a mut RestModel,
+    inputs: Box<'a>,
+    place: Where,
+    groups: Vec<Group>,
+    /// Rates of the states, parameters at their values.
+    rates: Vec<Expr>,
 }
 
-impl Test<'_> {
+impl<'a> Test<'a> {
+    pub(crate) fn new(model: &'a mut RestModel, inputs: Box<'a>, place: Where) -> Self {
+        let (groups, rates) = (model.groups.clone(), model.valued.clone());
+        let mut test = Test { model, inputs, place, groups, rates };
+        test.divide_planes();
+        test
+    }
+
+    /// Where some velocities of a plane are not driven, whatever the others, friction acts along a line: the components of the
+    /// slip that start at zero stay zero.
+    fn divide_planes(&mut self) {
+        for g in 0..self.groups.len() {
+            if self.groups[g].law != Law::Plane {
+                continue;
+            }
+            let quiet: Vec<usize> =
+                self.groups[g].velocities.clone().into_iter().filter(|&k| self.is_not_driven(k)).collect();
+            if quiet.len() + 1 != self.groups[g].velocities.len() {
+                continue;
+            }
+            let quieted = self.quieted(&quiet);
+            self.rates = self.model.system.pool.substitute_all(&self.rates, &quieted);
+            self.groups[g].velocities.retain(|k| !quiet.contains(k));
+            self.groups[g].law = Law::Line;
+            self.groups.extend(quiet.into_iter().map(|k| Group::new(vec![k], Law::Driven)));
+        }
+    }
+
+    /// These velocities, and their components of the direction of slip, at zero.
+    fn quieted(&mut self, velocities: &[usize]) -> FxHashMap<Expr, Expr> {
+        let pool = &mut self.model.system.pool;
+        let zero = pool.int(0);
+        let mut map = FxHashMap::default();
+        for k in velocities {
+            map.insert(pool.sym(self.model.system.states[*k]), zero);
+            if let Some(&s) = self.model.signs.get(k) {
+                map.insert(pool.sym(s), zero);
+            }
+        }
+        map
+    }
+
+    /// Whether a velocity stays zero whatever all others are.
+    fn is_not_driven(&mut self, k: usize) -> bool {
+        let quieted = self.quieted(&[k]);
+        let pool = &mut self.model.system.pool;
+        let rate = pool.substitute(self.rates[k], &quieted);
+        let opposite = pool.neg(rate);
+        [rate, opposite].into_iter().all(|e| self.nonnegative(e, &[]) == Holds::Always)
+    }
+
     /// The largest set of groups that hold each other: where all of them are at rest, friction balances each.
     pub(crate) fn run(&mut self) -> Held {
-        let groups = self.model.groups.clone();
+        let groups = self.groups.clone();
         let mut holds = vec![Holds::Always; groups.len()];
         loop {
             let still = self.still(&holds);
@@ -106,7 +159,7 @@ impl Test<'_> {
 
     /// The velocities that stay zero.
     fn still(&self, holds: &[Holds]) -> Vec<usize> {
-        let groups = self.model.groups.iter().zip(holds).filter(|(_, h)| **h == Holds::Always);
+        let groups = self.groups.iter().zip(holds).filter(|(_, h)| **h == Holds::Always);
         groups.flat_map(|(g, _)| g.velocities.clone()).collect()
     }
 
@@ -120,7 +173,7 @@ impl Test<'_> {
 
     /// Rates of a group where it and `still` are at rest; `None` where friction does not have the form of its law.
     fn forces(&mut self, group: usize, rates: &[Expr], still: &[usize]) -> Option<Forces> {
-        let group = self.model.groups[group].clone();
+        let group = self.groups[group].clone();
         let rest: Vec<usize> = still.iter().chain(&group.velocities).copied().collect();
         let own: Vec<Expr> = group.velocities.iter().map(|&k| rates[k]).collect();
         let own = self.at_rest(&own, &rest);
@@ -160,13 +213,15 @@ impl Test<'_> {
 
     /// Whether friction balances a group for all admissible inputs while `still` are at rest.
     fn balanced(&mut self, group: usize, still: &[usize], holds: &[Holds]) -> Holds {
-        let valued = self.model.valued.clone();
-        let Some(forces) = self.forces(group, &valued, still) else { return Holds::Undecided };
+        let valued = self.rates.clone();
+        let Some(mut forces) = self.forces(group, &valued, still) else { return Holds::Undecided };
+        if !self.groups[group].given.iter().all(|k| still.contains(k)) {
+            return Holds::Undecided;
+        }
+        forces.rates = self.with_static_friction(&forces.rates, still, holds);
+        forces.friction = forces.friction.map(|b| self.with_static_friction(&[b], still, holds)[0]);
         let conditions = match forces.friction {
-            None => {
-                let rates = self.with_static_friction(&forces.rates, still, holds);
-                rates.iter().flat_map(|&e| [e, self.model.system.pool.neg(e)]).collect::<Vec<Expr>>()
-            }
+            None => forces.rates.iter().flat_map(|&e| [e, self.model.system.pool.neg(e)]).collect::<Vec<Expr>>(),
             Some(b) => {
                 let pool = &mut self.model.system.pool;
                 match forces.rates[..] {
@@ -191,11 +246,11 @@ impl Test<'_> {
 
     /// Signs of groups that are at rest by the balance of forces there.
     fn with_static_friction(&mut self, list: &[Expr], still: &[usize], holds: &[Holds]) -> Vec<Expr> {
-        let valued = self.model.valued.clone();
+        let valued = self.rates.clone();
         let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
         for g in (0..holds.len()).filter(|&g| holds[g] == Holds::Always) {
             let Some(Forces { rates, friction: Some(b) }) = self.forces(g, &valued, still) else { continue };
-            for (k, a) in self.model.groups[g].velocities.clone().into_iter().zip(rates) {
+            for (k, a) in self.groups[g].velocities.clone().into_iter().zip(rates) {
                 if let Some(&s) = self.model.signs.get(&k) {
                     let value = self.model.system.pool.div(a, b);
                     map.insert(self.model.system.pool.sym(s), value);
@@ -207,7 +262,7 @@ impl Test<'_> {
 
     /// Coordinates that do not move while `still` are at rest.
     fn fixed(&mut self, still: &[usize]) -> Vec<bool> {
-        let rates: Vec<Expr> = self.model.coordinates.iter().map(|&k| self.model.valued[k]).collect();
+        let rates: Vec<Expr> = self.model.coordinates.iter().map(|&k| self.rates[k]).collect();
         let rates = self.at_rest(&rates, still);
         rates.into_iter().map(|e| self.model.is_zero(e)).collect()
     }
@@ -289,16 +344,21 @@ impl Test<'_> {
         if self.fixed(still)[coordinate] {
             return Motion::Never;
         }
-        let rate = self.model.valued[self.model.coordinates[coordinate]];
+        let rate = self.rates[self.model.coordinates[coordinate]];
         let pool = &mut self.model.system.pool;
         let velocity = self.model.velocities.iter().copied().find(|&k| pool.sym(self.model.system.states[k]) == rate);
         let Some(k) = velocity else { return Motion::Open };
-        let group = (0..holds.len()).find(|&g| self.model.groups[g].velocities == [k]);
+        let rests = |list: &[usize]| list.iter().all(|k| still.contains(k));
+        let group = (0..holds.len()).find(|&g| self.groups[g].velocities == [k] && rests(&self.groups[g].given));
         let Some(group) = group else { return Motion::Open };
-        let valued = self.model.valued.clone();
+        let valued = self.rates.clone();
         let Some(Forces { rates, friction: Some(b) }) = self.forces(group, &valued, still) else { return Motion::Open };
+        let (a, b) = match self.with_static_friction(&[rates[0], b], still, holds)[..] {
+            [a, b] => (a, b),
+            _ => return Motion::Open,
+        };
         let pool = &mut self.model.system.pool;
-        let (never_up, never_down) = (pool.sub(b, rates[0]), pool.add(b, rates[0]));
+        let (never_up, never_down) = (pool.sub(b, a), pool.add(b, a));
         if self.nonnegative(never_up, still) == Holds::Always {
             Motion::OnlyDown
         } else if self.nonnegative(never_down, still) == Holds::Always {
@@ -310,12 +370,14 @@ impl Test<'_> {
 
     /// The cone as formulas of parameters, inputs, and coordinates.
     fn cone(&mut self, group: usize, holds: &[Holds], still: &[usize]) -> Cone {
-        let velocities = self.model.groups[group].velocities.clone();
+        let velocities = self.groups[group].velocities.clone();
         let names = velocities.iter().map(|&k| self.model.state_name(k)).collect();
-        let symbolic = self.model.rates.clone();
+        let (symbolic, valued) = (self.model.rates.clone(), self.rates.clone());
         let mut list = Vec::new();
         let mut friction = None;
-        if let Some(forces) = self.forces(group, &symbolic, still) {
+        // Friction that has the form of its law only for these values of parameters is shown with them.
+        let forces = self.forces(group, &symbolic, still).or_else(|| self.forces(group, &valued, still));
+        if let Some(forces) = forces {
             let named = self.derivative_names();
             let pool = &mut self.model.system.pool;
             list = pool.substitute_all(&forces.rates, &named).into_iter().map(|e| pool.text(e)).collect();

@@ -41,6 +41,14 @@ pub(crate) struct Group {
     /// Places among the states.
     pub(crate) velocities: Vec<usize>,
     pub(crate) law: Law,
+    /// Velocities that must be zero for the law to hold.
+    pub(crate) given: Vec<usize>,
+}
+
+impl Group {
+    pub(crate) fn new(velocities: Vec<usize>, law: Law) -> Self {
+        Group { velocities, law, given: Vec::new() }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -242,19 +250,34 @@ impl RestModel {
                 None => join(&mut groups, touched, Law::Coupled),
             }
         }
+        // What acts against velocities alone comes first, so that the others are seen to add a velocity.
+        let mut later = Vec::new();
         for vector in &form.unit_vectors {
             let components = &form.switches[vector.switches.clone()];
             let own: Option<Vec<(usize, Expr)>> = components.iter().map(|c| lone(self, c.surface)).collect();
-            let isotropic = own.filter(|list| list.iter().all(|(_, slope)| *slope == list[0].1));
-            match isotropic {
-                Some(list) => {
-                    let list: Vec<usize> = list.into_iter().map(|(k, _)| k).collect();
-                    for (&k, c) in list.iter().zip(components) {
+            match own {
+                Some(list) if list.iter().all(|(_, slope)| *slope == list[0].1) => {
+                    for (&(k, _), c) in list.iter().zip(components) {
                         self.signs.insert(k, c.sign);
                     }
-                    join(&mut groups, list, Law::Plane);
+                    join(&mut groups, list.into_iter().map(|(k, _)| k).collect(), Law::Plane);
                 }
-                None => {
+                own => later.push((components, own)),
+            }
+        }
+        for (components, own) in later {
+            let is_known = |k: usize| groups.iter().any(|g| g.law != Law::Coupled && g.velocities.contains(&k));
+            let new: Vec<usize> =
+                (0..components.len()).filter(|&c| own.as_ref().is_some_and(|list| !is_known(list[c].0))).collect();
+            match (own, &new[..]) {
+                // A friction that, where the other velocities vanish, acts on one velocity alone.
+                (Some(list), &[c]) => {
+                    let (k, _) = list[c];
+                    self.signs.insert(k, components[c].sign);
+                    let given = list.iter().map(|(k, _)| *k).filter(|other| *other != k).collect();
+                    groups.push(Group { velocities: vec![k], law: Law::Line, given });
+                }
+                _ => {
                     let all: Vec<usize> = components.iter().flat_map(|c| coupled(self, c.surface)).collect();
                     join(&mut groups, all, Law::Coupled);
                 }
@@ -265,7 +288,7 @@ impl RestModel {
         }
         for &k in &self.velocities {
             if !groups.iter().any(|g| g.velocities.contains(&k)) {
-                groups.push(Group { velocities: vec![k], law: Law::Driven });
+                groups.push(Group::new(vec![k], Law::Driven));
             }
         }
         self.groups = groups;
@@ -292,7 +315,7 @@ fn join(groups: &mut Vec<Group>, mut velocities: Vec<usize>, mut law: Law) {
     });
     velocities.sort_unstable();
     velocities.dedup();
-    groups.push(Group { velocities, law });
+    groups.push(Group::new(velocities, law));
 }
 
 /// A motion of an input from rest to rest within an interval of length L, with a second derivative between −β and α, is never

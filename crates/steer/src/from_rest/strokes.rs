@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::bounds::Span;
 use super::held::{Motion, Test, Where};
-use super::model::{Channel, RestModel};
+use super::model::{Channel, Law, RestModel};
 use crate::signals::Signals;
 
 /// Loops stay within this part of the bounds, so that corrections find room.
@@ -14,6 +14,8 @@ const ROOM: f64 = 0.999;
 const FIRST_PIECE: f64 = 0.1;
 /// A return is slower than the slowest one that moves anything by this factor.
 const SLOW: f64 = 0.9;
+/// The acceleration of the second input of a pair, as a part of its bound: what closes a loop may exceed it.
+const CLOSING: f64 = 0.9;
 /// Bisections of the acceleration of a return.
 const BISECTIONS: usize = 20;
 
@@ -33,6 +35,14 @@ pub enum Shape {
         /// Difference of that value from the value at rest.
         peak: f64,
     },
+    /// Two inputs go off and back, together; a second time, with the opposite sign of the second input, if a velocity has no
+    /// friction of its own.
+    Together {
+        /// Accelerations of the two inputs.
+        accelerations: [f64; 2],
+        /// Whether there is a second time.
+        twice: bool,
+    },
 }
 
 /// A loop of the inputs, from rest to rest.
@@ -43,6 +53,17 @@ pub(crate) struct Loop {
     pub(crate) moved: Vec<usize>,
     /// Values of the highest derivatives, and how long they last, s.
     pub(crate) pieces: Vec<(Vec<f64>, f64)>,
+    /// What brings a velocity without friction to rest.
+    pub(crate) closing: Option<Closing>,
+}
+
+/// From one piece on, the values of an input are multiplied by a number near 1, so that a velocity without friction ends at zero.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Closing {
+    pub(crate) input: usize,
+    pub(crate) from_piece: usize,
+    /// Place of the velocity among the states.
+    pub(crate) velocity: usize,
 }
 
 impl Loop {
@@ -54,7 +75,7 @@ impl Loop {
             row[channel] += value;
             (row, duration)
         };
-        Loop { shape, moved: vec![channel], pieces: pieces.iter().map(row).collect() }
+        Loop { shape, moved: vec![channel], pieces: pieces.iter().map(row).collect(), closing: None }
     }
 
     pub(crate) fn duration(&self) -> f64 {
@@ -73,6 +94,17 @@ impl Loop {
         times.extend([t, t + pause]);
         values.extend([rest.clone(), rest]);
         Signals { times, values, hold: Hold::Previous }
+    }
+
+    /// The loop with what closes it multiplied by a number.
+    pub(crate) fn closed(&self, factor: f64) -> Self {
+        let mut closed = self.clone();
+        if let Some(c) = self.closing {
+            for (row, _) in &mut closed.pieces[c.from_piece..] {
+                row[c.input] *= factor;
+            }
+        }
+        closed
     }
 
     /// The values that inputs and derivatives take along the loop, however short.
@@ -139,6 +171,53 @@ pub(crate) fn single(model: &mut RestModel) -> Vec<Loop> {
         }
     }
     list
+}
+
+/// Loops of two inputs.
+pub(crate) fn pairs(model: &mut RestModel) -> Vec<Loop> {
+    let driven: Vec<usize> =
+        model.groups.iter().filter(|g| g.law == Law::Driven).flat_map(|g| g.velocities.clone()).collect();
+    let mut list = Vec::new();
+    for i in 0..model.channels.len() {
+        for j in 0..model.channels.len() {
+            if i == j || model.channels[i].order() != 2 || model.channels[j].order() != 2 || driven.len() > 1 {
+                continue;
+            }
+            let limit = |c: &Channel| room(c, 2, true).min(room(c, 2, false));
+            let (first, second) = (limit(&model.channels[i]), CLOSING * limit(&model.channels[j]));
+            let held = held_acceleration(model, i, first);
+            for a in [Some(first), held].into_iter().flatten().filter(|a| *a > 0.0 && second > 0.0) {
+                for sign in [1.0, -1.0] {
+                    list.push(together(model, [i, j], [a, sign * second], driven.first().copied()));
+                }
+            }
+        }
+    }
+    list
+}
+
+/// Both inputs have accelerations +, −, −, + of equal duration, as long as the bounds allow.
+fn together(model: &RestModel, [i, j]: [usize; 2], [a, b]: [f64; 2], driven: Option<usize>) -> Loop {
+    let mut t = FIRST_PIECE;
+    for (k, size) in [(i, a), (j, b.abs())] {
+        let channel = &model.channels[k];
+        for up in [true, false] {
+            t = t.min(room(channel, 1, up) / size).min((room(channel, 0, up) / size).sqrt());
+        }
+    }
+    let rest = rest_values(model);
+    let mut pieces = Vec::new();
+    for second in if driven.is_some() { vec![1.0, -1.0] } else { vec![1.0] } {
+        for (sign, duration) in [(1.0, t), (-1.0, 2.0 * t), (1.0, t)] {
+            let mut row = rest.clone();
+            row[i] += sign * a;
+            row[j] += sign * second * b;
+            pieces.push((row, duration));
+        }
+    }
+    let closing = driven.map(|velocity| Closing { input: j, from_piece: 3, velocity });
+    let shape = Shape::Together { accelerations: [a, b], twice: driven.is_some() };
+    Loop { shape, moved: vec![i, j], pieces, closing }
 }
 
 /// How far a derivative may go up or down from rest.
@@ -218,7 +297,7 @@ fn held_acceleration(model: &mut RestModel, j: usize, limit: f64) -> Option<f64>
         inputs[j] = model.channels[j].spans.clone();
         let order = model.channels[j].order();
         inputs[j][order] = Span::between(-size, size);
-        let held = Test { model, inputs: &inputs, place: Where::Near }.run();
+        let held = Test::new(model, &inputs, Where::Near).run();
         held.motions.iter().all(|m| *m == Motion::Never)
     };
     if holds(limit) {
