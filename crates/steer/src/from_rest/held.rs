@@ -132,7 +132,7 @@ impl<'a> Test<'a> {
         let pool = &mut self.model.system.pool;
         let rate = pool.substitute(self.rates[k], &quieted);
         let opposite = pool.neg(rate);
-        [rate, opposite].into_iter().all(|e| self.nonnegative(e, &[]) == Holds::Always)
+        [rate, opposite].into_iter().all(|e| self.nonnegative(e, &[k]) == Holds::Always)
     }
 
     /// The largest set of groups that hold each other: where all of them are at rest, friction balances each.
