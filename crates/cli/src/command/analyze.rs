@@ -75,7 +75,7 @@ pub(crate) struct AnalyzeArgs {
     #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = time_limit)]
     pub(crate) time_limit: Duration,
     /// Which rest states inputs within bounds reach from the rest state at the point, under dry friction
-    #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "map", "identifiability"])]
+    #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability"])]
     from_rest: bool,
     /// Bounds of inputs, of their derivatives, and of states, such as "der(X,2)=-4..4,theta=-0.2..0.2", for --from-rest;
     /// beside the ranges of the model
@@ -84,10 +84,11 @@ pub(crate) struct AnalyzeArgs {
     /// Parameters whose values are left open, or "symbolic" for all: at which of their values do the verdicts change?
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
-    /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; the figure goes to --out
+    /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; with --from-rest over two bounds, such as
+    /// "der(X,2)=1..6,theta=0.1..0.5", about the values at rest; the figure goes to --out
     #[arg(long, value_name = "A=LOW..HIGH,B=LOW..HIGH", allow_hyphen_values = true,
-        conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters"])]
-    map: Option<String>,
+        conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters"])]
+    pub(crate) map: Option<String>,
     /// Local and global identifiability of parameters and initial states, and identifiable combinations
     #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map"])]
     identifiability: bool,
@@ -99,7 +100,7 @@ pub(crate) struct AnalyzeArgs {
     unknown_inputs: Vec<String>,
     /// Cells along each axis of the map
     #[arg(long, value_name = "N", default_value_t = 40, requires = "map")]
-    cells: usize,
+    pub(crate) cells: usize,
     /// Maximum number of simultaneous conditions on parameters
     #[arg(long, value_name = "N", default_value_t = 2)]
     conditions: usize,
@@ -143,6 +144,7 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
         return cases(&system, parameters, args, output);
     }
     if let Some(map) = &args.map {
+        anyhow::ensure!(args.at.is_none(), "--at cannot be used with --map unless --from-rest is given");
         return cells(&system, map, args, output);
     }
     if let Some(at) = &args.at {

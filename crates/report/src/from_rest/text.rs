@@ -25,7 +25,10 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
                 format!("{inputs} go off and back together, with accelerations {} and {}", readable(*a), readable(*b));
             if *twice { format!("{both}, and again with the opposite sign of the second") } else { both }
         }
-        Shape::Lift { peak } => format!("{inputs} goes off by {}, and comes back", readable(*peak)),
+        Shape::Lift { peak, shaken } => {
+            let there = if *shaken { ", shakes a little" } else { "" };
+            format!("{inputs} goes off by {}{there}, and comes back", readable(*peak))
+        }
     }
 }
 

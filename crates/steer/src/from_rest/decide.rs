@@ -8,7 +8,7 @@ use super::bounds::{Bound, Span, derivative_name};
 use super::displacement::Plant;
 use super::held::{Held, Motion, Test, Where};
 use super::margin::margin;
-use super::model::RestModel;
+use super::model::{Channel, RestModel};
 use super::result::{
     Answer, CoordinateAnswer, Displacement, FromRest, FromRestError, FromRestOptions, FromRestReason, Proof, Stroke,
 };
@@ -16,41 +16,75 @@ use super::strokes::{self, Loop};
 
 /// Durations of loops, relative to the full ones, at which displacements are computed.
 const SHORTER: [f64; 3] = [0.5, 0.25, 0.125];
+/// A margin below this is none.
+const LEAST_MARGIN: f64 = 1e-3;
+/// Most coordinates whose subsets are looked at.
+const MAX_OPEN: usize = 8;
 /// A displacement below this part of the size of the coordinate, at least of this much, is rounding of the simulation.
 const ROUNDING: f64 = 1e-9;
+
+/// When to stop.
+#[derive(Clone, Copy)]
+pub(crate) struct Limit<'a> {
+    pub(crate) options: &'a FromRestOptions,
+    pub(crate) deadline: Option<Instant>,
+}
+
+impl<'a> Limit<'a> {
+    pub(crate) fn new(options: &'a FromRestOptions) -> Self {
+        Limit { options, deadline: options.time_limit.and_then(|limit| Instant::now().checked_add(limit)) }
+    }
+
+    pub(crate) fn is_over(self) -> bool {
+        self.options.stop.is_raised() || self.deadline.is_some_and(|d| Instant::now() >= d)
+    }
+}
 
 /// Whether inputs within their bounds move the coordinates of a model from rest to rest, near its point.
 ///
 /// # Errors
 /// [`FromRestError`] for bounds that do not fit the model, and for models that cannot be simulated.
 pub fn from_rest(system: &System, options: &FromRestOptions) -> Result<FromRest, FromRestError> {
-    let deadline = options.time_limit.and_then(|limit| Instant::now().checked_add(limit));
-    let mut model = match RestModel::new(system, &options.bounds)? {
-        Ok(model) => model,
-        Err(reason) => return Ok(FromRest::without_answer(&system.name, reason)),
-    };
-    model.system.pool.set_stop_flag(options.stop.clone());
-    model.system.pool.set_deadline(deadline);
-    let is_over = || options.stop.is_raised() || deadline.is_some_and(|d| Instant::now() >= d);
-    let held = global(&mut model);
-    let moving =
-        |motions: &[Motion]| -> Vec<usize> { (0..motions.len()).filter(|&c| motions[c] != Motion::Never).collect() };
-    let open = moving(&held.motions);
+    let limit = Limit::new(options);
+    match RestModel::new(system, &options.bounds)? {
+        Ok(mut model) => {
+            model.system.pool.set_stop_flag(options.stop.clone());
+            model.system.pool.set_deadline(limit.deadline);
+            let mut plant = Plant::new(&model, &options.stop)?;
+            Ok(decided(&system.name, &mut model, &mut plant, &SHORTER, limit))
+        }
+        Err(reason) => Ok(FromRest::without_answer(&system.name, reason)),
+    }
+}
+
+/// The answer for a model with its bounds, with displacements of loops whose durations are multiplied by each of `shorter`.
+pub(crate) fn decided(
+    name: &str,
+    model: &mut RestModel,
+    plant: &mut Plant,
+    shorter: &[f64],
+    limit: Limit<'_>,
+) -> FromRest {
+    let home: Vec<Vec<Span>> = model.channels.iter().map(Channel::at_home).collect();
+    let at_home = Test::new(model, &home, Where::Anywhere).run();
+    if at_home.motions.iter().any(|m| *m != Motion::Never) {
+        return FromRest::without_answer(name, FromRestReason::NotAtRest);
+    }
+    let held = global(model);
     let mut strokes = Vec::new();
     let (mut tried, mut stopped) = (0, false);
-    if !open.is_empty() {
-        let mut plant = Plant::new(&model, &options.stop)?;
-        let loops = [strokes::single(&mut model), strokes::pairs(&mut model)].concat();
+    if held.motions.iter().any(|m| *m != Motion::Never) {
+        let loops = [strokes::single(model), strokes::pairs(model)].concat();
         for stroke in loops {
-            if is_over() {
+            if limit.is_over() {
                 stopped = true;
                 break;
             }
             tried += 1;
-            strokes.extend(examined(&mut model, &mut plant, &stroke));
+            strokes.extend(examined(model, plant, &stroke, shorter));
         }
     }
-    Ok(answered(system, &mut model, held, strokes, tried, stopped))
+    answered(name, model, held, strokes, tried, stopped)
 }
 
 /// What friction holds for all admissible inputs.
@@ -60,11 +94,11 @@ pub(crate) fn global(model: &mut RestModel) -> Held {
 }
 
 /// What a loop does; `None` if it moves nothing, or does not end at rest.
-fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop) -> Option<Stroke> {
+fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, shorter: &[f64]) -> Option<Stroke> {
     let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
     let whole = plant.displaced(model, &at, stroke, 1.0)?;
     let mut displacements = vec![Displacement { scale: 1.0, change: whole.change.clone() }];
-    for scale in SHORTER {
+    for &scale in shorter {
         let Some(found) = plant.displaced(model, &at, stroke, scale) else { break };
         displacements.push(Displacement { scale, change: found.change });
     }
@@ -90,28 +124,19 @@ fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop) -> Option<S
     })
 }
 
-fn answered(
-    system: &System,
-    model: &mut RestModel,
-    held: Held,
-    strokes: Vec<Stroke>,
-    tried: usize,
-    stopped: bool,
-) -> FromRest {
+fn answered(name: &str, model: &RestModel, held: Held, strokes: Vec<Stroke>, tried: usize, stopped: bool) -> FromRest {
     let count = model.coordinates.len();
     let open: Vec<usize> = (0..count).filter(|&c| held.motions[c] != Motion::Never).collect();
     let size = |c: usize| strokes.iter().map(|s| s.displacements[0].change[c].abs()).fold(0.0, f64::max);
     let sizes: Vec<f64> = (0..count).map(size).collect();
-    let directions: Vec<Vec<f64>> =
-        strokes.iter().map(|s| direction(&s.displacements[0].change, &sizes, &open)).collect();
-    let margin = if open.is_empty() { 0.0 } else { margin(&directions) };
+    let (moving, directions, margin) = spanned(&strokes, &sizes, &open);
     let proven = |c: usize, sign: f64| strokes.iter().any(|s| s.proven == Some((c, sign)));
     let both = |c: usize| proven(c, 1.0) && proven(c, -1.0);
     let all_proven = open.iter().all(|&c| both(c));
     let answer = |c: usize| match held.motions[c] {
         Motion::Never | Motion::OnlyUp | Motion::OnlyDown => Answer::No,
         Motion::Open if both(c) => Answer::Yes { proof: Proof::Proven },
-        Motion::Open if margin > 0.0 => Answer::Yes { proof: Proof::Evidence },
+        Motion::Open if moving.contains(&c) => Answer::Yes { proof: Proof::Evidence },
         Motion::Open => Answer::Unknown,
     };
     let names = model.coordinate_names();
@@ -132,20 +157,44 @@ fn answered(
         Answer::Yes { proof: if all_proven { Proof::Proven } else { Proof::Evidence } }
     };
     let reason =
-        any(Answer::Unknown).then(|| if stopped { FromRestReason::Stopped } else { FromRestReason::Loops { tried } });
+        any(Answer::Unknown).then_some(if stopped { FromRestReason::Stopped } else { FromRestReason::Loops { tried } });
     FromRest {
-        model: system.name.clone(),
+        model: name.to_owned(),
         answer: total,
         reason,
         coordinates,
         bounds: bounds(model),
         cones: held.cones,
         strokes,
-        moving: open,
+        moving,
         sizes,
         directions,
         margin,
     }
+}
+
+/// The largest set of coordinates that loops positively span without a change of the other ones, with the directions of these
+/// loops (0 for the others) and the margin.
+fn spanned(strokes: &[Stroke], sizes: &[f64], open: &[usize]) -> (Vec<usize>, Vec<Vec<f64>>, f64) {
+    let mut sets: Vec<Vec<usize>> = (1u32..1 << open.len().min(MAX_OPEN))
+        .map(|bits| (0..open.len()).filter(|k| bits >> k & 1 == 1).map(|k| open[k]).collect())
+        .collect();
+    sets.sort_by_key(|set| std::cmp::Reverse(set.len()));
+    for set in sets {
+        let is_alone = |s: &Stroke| {
+            let others = open.iter().filter(|c| !set.contains(c));
+            others.into_iter().all(|&c| s.displacements[0].change[c].abs() <= ROUNDING * sizes[c].max(1.0))
+        };
+        let of = |s: &Stroke| {
+            if is_alone(s) { direction(&s.displacements[0].change, sizes, &set) } else { vec![0.0; set.len()] }
+        };
+        let directions: Vec<Vec<f64>> = strokes.iter().map(of).collect();
+        let found = margin(&directions);
+        if found >= LEAST_MARGIN {
+            return (set, directions, found);
+        }
+    }
+    (Vec::new(), Vec::new(), 0.0)
 }
 
 /// A displacement in units of the sizes, of length 1, over the coordinates that move.

@@ -224,13 +224,12 @@ impl<'a> Test<'a> {
             None => forces.rates.iter().flat_map(|&e| [e, self.model.system.pool.neg(e)]).collect::<Vec<Expr>>(),
             Some(b) => {
                 let pool = &mut self.model.system.pool;
-                match forces.rates[..] {
-                    [a] => vec![pool.sub(b, a), pool.add(b, a)],
-                    _ => {
-                        let squares: Vec<Expr> = forces.rates.iter().map(|&a| pool.powi(a, 2)).collect();
-                        let (sum, square) = (pool.sum(squares), pool.powi(b, 2));
-                        vec![b, pool.sub(square, sum)]
-                    }
+                if let [a] = forces.rates[..] {
+                    vec![pool.sub(b, a), pool.add(b, a)]
+                } else {
+                    let squares: Vec<Expr> = forces.rates.iter().map(|&a| pool.powi(a, 2)).collect();
+                    let (sum, square) = (pool.sum(squares), pool.powi(b, 2));
+                    vec![b, pool.sub(square, sum)]
                 }
             }
         };
@@ -353,10 +352,7 @@ impl<'a> Test<'a> {
         let Some(group) = group else { return Motion::Open };
         let valued = self.rates.clone();
         let Some(Forces { rates, friction: Some(b) }) = self.forces(group, &valued, still) else { return Motion::Open };
-        let (a, b) = match self.with_static_friction(&[rates[0], b], still, holds)[..] {
-            [a, b] => (a, b),
-            _ => return Motion::Open,
-        };
+        let [a, b] = self.with_static_friction(&[rates[0], b], still, holds)[..] else { return Motion::Open };
         let pool = &mut self.model.system.pool;
         let (never_up, never_down) = (pool.sub(b, a), pool.add(b, a));
         if self.nonnegative(never_up, still) == Holds::Always {

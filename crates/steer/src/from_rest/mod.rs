@@ -19,6 +19,7 @@ mod bounds;
 mod decide;
 mod displacement;
 mod held;
+mod map;
 mod margin;
 mod model;
 mod result;
@@ -27,6 +28,7 @@ mod strokes;
 pub use bounds::Bound;
 pub use decide::from_rest;
 pub use held::{Cone, Holds, Motion};
+pub use map::{CellAnswers, FromRestMap, Threshold, from_rest_map};
 pub use margin::margin;
 pub use result::{
     Answer, CoordinateAnswer, Displacement, FromRest, FromRestError, FromRestOptions, FromRestReason, Proof, Stroke,

@@ -21,6 +21,8 @@ pub(crate) struct Channel {
     pub(crate) spans: Vec<Span>,
     /// The value at rest.
     pub(crate) home: End,
+    /// The bounds of the first derivative without those that follow from others.
+    given_speed: Span,
 }
 
 impl Channel {
@@ -200,6 +202,7 @@ impl RestModel {
                     return Err(FromRestError::RestOutside { name: derivative_name(&channel.name, order), rest });
                 }
             }
+            channel.given_speed = channel.spans.get(1).cloned().unwrap_or(Span::FREE);
             bound_speed(channel);
         }
         for ((&k, at), region) in self.coordinates.iter().zip(&self.at).zip(&self.region) {
@@ -208,6 +211,19 @@ impl RestModel {
             }
         }
         Ok(())
+    }
+
+    /// Bounds a derivative of an input by its difference from the value at rest; what follows for the speed follows anew.
+    pub(crate) fn bound(&mut self, channel: usize, order: usize, size: f64) {
+        let c = &mut self.channels[channel];
+        let rest = if order == 0 { c.home.value } else { 0.0 };
+        c.spans[order] = Span::between(rest - size, rest + size);
+        if let [_, speed, _] = &mut c.spans[..]
+            && order != 1
+        {
+            *speed = c.given_speed.clone();
+        }
+        bound_speed(c);
     }
 
     pub(crate) fn state_name(&self, k: usize) -> String {
@@ -269,18 +285,15 @@ impl RestModel {
             let is_known = |k: usize| groups.iter().any(|g| g.law != Law::Coupled && g.velocities.contains(&k));
             let new: Vec<usize> =
                 (0..components.len()).filter(|&c| own.as_ref().is_some_and(|list| !is_known(list[c].0))).collect();
-            match (own, &new[..]) {
+            if let (Some(list), &[c]) = (own, &new[..]) {
                 // A friction that, where the other velocities vanish, acts on one velocity alone.
-                (Some(list), &[c]) => {
-                    let (k, _) = list[c];
-                    self.signs.insert(k, components[c].sign);
-                    let given = list.iter().map(|(k, _)| *k).filter(|other| *other != k).collect();
-                    groups.push(Group { velocities: vec![k], law: Law::Line, given });
-                }
-                _ => {
-                    let all: Vec<usize> = components.iter().flat_map(|c| coupled(self, c.surface)).collect();
-                    join(&mut groups, all, Law::Coupled);
-                }
+                let (k, _) = list[c];
+                self.signs.insert(k, components[c].sign);
+                let given = list.iter().map(|(k, _)| *k).filter(|other| *other != k).collect();
+                groups.push(Group { velocities: vec![k], law: Law::Line, given });
+            } else {
+                let all: Vec<usize> = components.iter().flat_map(|c| coupled(self, c.surface)).collect();
+                join(&mut groups, all, Law::Coupled);
             }
         }
         if signs == 0 && form.unit_vectors.is_empty() {
@@ -373,7 +386,7 @@ fn channels(given: &System, system: &mut System) -> Option<Vec<Channel>> {
             Some(p) => End { value: given.value(p.inputs[j])?, exact: given.pool.number(p.inputs[j]).cloned() },
             None => End { value: 0.0, exact: Some(Rational::from(0)) },
         };
-        list.push(Channel { name: given.symbol_name(u).to_owned(), symbols, spans, home });
+        list.push(Channel { name: given.symbol_name(u).to_owned(), symbols, spans, home, given_speed: Span::FREE });
     }
     Some(list)
 }

@@ -110,13 +110,14 @@ pub struct FromRest {
     pub cones: Vec<Cone>,
     /// The loops that displace a coordinate.
     pub strokes: Vec<Stroke>,
-    /// The coordinates that nothing holds, by place in `coordinates`.
+    /// The largest set of coordinates that the loops positively span without a change of the others, by place in `coordinates`.
     pub moving: Vec<usize>,
     /// Sizes of displacements by which directions are made comparable, by coordinate.
     pub sizes: Vec<f64>,
-    /// By loop, the direction of its displacement over the moving coordinates, in units of the sizes, of length 1.
+    /// By loop, the direction of its displacement over the moving coordinates, in units of the sizes, of length 1; zeros if it
+    /// changes others, too.
     pub directions: Vec<Vec<f64>>,
-    /// Radius of the ball about 0 in the hull of the directions of displacement, over the coordinates that move.
+    /// Radius of the ball about 0 in the hull of these directions.
     pub margin: f64,
 }
 
@@ -132,6 +133,8 @@ pub enum FromRestReason {
     Delays,
     /// The model in affine form has other inputs.
     Inputs,
+    /// The point is not a rest state: friction does not hold it there with the inputs at their values.
+    NotAtRest,
     /// A sign of something else than velocities.
     OtherSwitch {
         /// The switching function.
@@ -155,6 +158,9 @@ impl std::fmt::Display for FromRestReason {
             }
             Self::Delays => write!(f, "inputs act with a delay: analyze the model without it"),
             Self::Inputs => write!(f, "the model with integrators in front of the inputs has other inputs"),
+            Self::NotAtRest => {
+                write!(f, "friction is not shown to hold the state at the point; choose a point at rest")
+            }
             Self::OtherSwitch { name } => write!(f, "the equations switch with {name}, which is no velocity"),
             Self::Loops { tried } => {
                 write!(f, "the displacements of {tried} loops do not positively span the coordinates; try wider bounds")
@@ -200,6 +206,14 @@ pub enum FromRestError {
         name: String,
         /// Its value at rest.
         rest: f64,
+    },
+    /// An axis of a map that is no bound of an input.
+    #[error(
+        "the axis `{name}` of the map: give an input or one of its derivatives, as in {name}=0.1..2, and at least one cell"
+    )]
+    Axis {
+        /// The name.
+        name: String,
     },
     /// A coordinate whose value at the point is no number.
     #[error("`{name}` has no finite value at the point: give one")]

@@ -12,6 +12,9 @@ use crate::signals::Signals;
 const ROOM: f64 = 0.999;
 /// Length of the first piece of a loop that no bound limits, s.
 const FIRST_PIECE: f64 = 0.1;
+/// How far an input is shaken, as a part of its displacement, and how many times.
+const SHAKEN: f64 = 1e-3;
+const SHAKES: usize = 4;
 /// A return is slower than the slowest one that moves anything by this factor.
 const SLOW: f64 = 0.9;
 /// The acceleration of the second input of a pair, as a part of its bound: what closes a loop may exceed it.
@@ -34,6 +37,8 @@ pub enum Shape {
     Lift {
         /// Difference of that value from the value at rest.
         peak: f64,
+        /// Whether it is shaken a little while it stays there.
+        shaken: bool,
     },
     /// Two inputs go off and back, together; a second time, with the opposite sign of the second input, if a velocity has no
     /// friction of its own.
@@ -166,7 +171,8 @@ pub(crate) fn single(model: &mut RestModel) -> Vec<Loop> {
     let mut list = Vec::new();
     for channel in 0..model.channels.len() {
         for up in [true, false] {
-            list.extend(lift(model, channel, up));
+            list.extend(lift(model, channel, up, false));
+            list.extend(lift(model, channel, up, true));
             list.extend(fast_slow(model, channel, up));
         }
     }
@@ -227,11 +233,12 @@ fn room(channel: &Channel, order: usize, up: bool) -> f64 {
     ROOM * (if up { high - rest } else { rest - low })
 }
 
-fn lift(model: &RestModel, j: usize, up: bool) -> Option<Loop> {
+fn lift(model: &RestModel, j: usize, up: bool, shaken: bool) -> Option<Loop> {
     let channel = &model.channels[j];
     let sign = if up { 1.0 } else { -1.0 };
     let far = room(channel, 0, up);
     let (peak, pieces) = match channel.order() {
+        _ if shaken && (channel.order() != 2 || far.is_infinite()) => return None,
         0 => (far, vec![(sign * far, FIRST_PIECE)]),
         1 => {
             let rate = room(channel, 1, true).min(room(channel, 1, false));
@@ -241,29 +248,27 @@ fn lift(model: &RestModel, j: usize, up: bool) -> Option<Loop> {
         2 => {
             let a = room(channel, 2, true).min(room(channel, 2, false));
             let speed = room(channel, 1, true).min(room(channel, 1, false));
+            let far = if shaken { far * (1.0 - SHAKEN) } else { far };
             let mut t = if far.is_finite() { (far / a).sqrt() } else { FIRST_PIECE };
             // At the limit of speed, the input coasts.
             let coast = if a * t > speed { far / speed - speed / a } else { 0.0 };
             t = t.min(speed / a);
             let peak = a * t * (t + coast);
-            (
-                peak,
-                vec![
-                    (sign * a, t),
-                    (0.0, coast),
-                    (-sign * a, t),
-                    (0.0, t),
-                    (-sign * a, t),
-                    (0.0, coast),
-                    (sign * a, t),
-                ],
-            )
+            let to = [(sign * a, t), (0.0, coast), (-sign * a, t)];
+            let there = if shaken {
+                let tau = (SHAKEN * peak / a).sqrt();
+                [(sign * a, tau), (-sign * a, 2.0 * tau), (sign * a, tau)].repeat(SHAKES)
+            } else {
+                vec![(0.0, t)]
+            };
+            let back = [(-sign * a, t), (0.0, coast), (sign * a, t)];
+            (peak, [&to[..], &there, &back].concat())
         }
         _ => return None,
     };
     let pieces: Vec<(f64, f64)> = pieces.into_iter().filter(|p| p.1 > 0.0).collect();
     let is_loop = peak.is_finite() && peak > 0.0 && pieces.iter().all(|p| p.0.is_finite() && p.1.is_finite());
-    is_loop.then(|| Loop::of_one(model, j, Shape::Lift { peak: sign * peak }, &pieces))
+    is_loop.then(|| Loop::of_one(model, j, Shape::Lift { peak: sign * peak, shaken }, &pieces))
 }
 
 fn fast_slow(model: &mut RestModel, j: usize, up: bool) -> Option<Loop> {
@@ -277,7 +282,7 @@ fn fast_slow(model: &mut RestModel, j: usize, up: bool) -> Option<Loop> {
     let speed = room(channel, 1, up);
     let back_speed = room(channel, 1, !up);
     let far = room(channel, 0, up);
-    if !(limit > 0.0) {
+    if limit.is_nan() || limit <= 0.0 {
         return None;
     }
     let slow = held_acceleration(model, j, limit)?;
@@ -294,7 +299,7 @@ fn fast_slow(model: &mut RestModel, j: usize, up: bool) -> Option<Loop> {
 fn held_acceleration(model: &mut RestModel, j: usize, limit: f64) -> Option<f64> {
     let mut holds = |size: f64| {
         let mut inputs: Vec<Vec<Span>> = model.channels.iter().map(Channel::at_home).collect();
-        inputs[j] = model.channels[j].spans.clone();
+        inputs[j].clone_from(&model.channels[j].spans);
         let order = model.channels[j].order();
         inputs[j][order] = Span::between(-size, size);
         let held = Test::new(model, &inputs, Where::Near).run();
