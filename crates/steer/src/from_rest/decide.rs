@@ -17,7 +17,7 @@ use super::strokes::{self, Loop};
 /// Durations of loops, relative to the full ones, at which displacements are computed.
 const SHORTER: [f64; 3] = [0.5, 0.25, 0.125];
 /// A margin below this is none.
-const LEAST_MARGIN: f64 = 1e-3;
+pub(crate) const LEAST_MARGIN: f64 = 1e-3;
 /// Most coordinates whose subsets are looked at.
 const MAX_OPEN: usize = 8;
 /// A displacement below this part of the size of the coordinate, at least of this much, is rounding of the simulation.
@@ -93,6 +93,11 @@ pub(crate) fn global(model: &mut RestModel) -> Held {
     Test::new(model, &inputs, Where::Anywhere).run()
 }
 
+/// Whether a change of coordinates is more than rounding of the simulation.
+pub(crate) fn is_displaced(change: &[f64], from: &[f64]) -> bool {
+    change.iter().zip(from).any(|(d, q)| d.abs() > ROUNDING * q.abs().max(1.0))
+}
+
 /// What a loop does; `None` if it moves nothing, or does not end at rest.
 fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, shorter: &[f64]) -> Option<Stroke> {
     let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
@@ -103,7 +108,7 @@ fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, shorter: &[
         displacements.push(Displacement { scale, change: found.change });
     }
     let full = displacements.first()?;
-    if full.change.iter().zip(&at).all(|(d, q)| d.abs() <= ROUNDING * q.abs().max(1.0)) {
+    if !is_displaced(&full.change, &at) {
         return None;
     }
     let inputs = whole.closed.spans(model);
@@ -129,7 +134,8 @@ fn answered(name: &str, model: &RestModel, held: Held, strokes: Vec<Stroke>, tri
     let open: Vec<usize> = (0..count).filter(|&c| held.motions[c] != Motion::Never).collect();
     let size = |c: usize| strokes.iter().map(|s| s.displacements[0].change[c].abs()).fold(0.0, f64::max);
     let sizes: Vec<f64> = (0..count).map(size).collect();
-    let (moving, directions, margin) = spanned(&strokes, &sizes, &open);
+    let changes: Vec<&[f64]> = strokes.iter().map(|s| s.displacements[0].change.as_slice()).collect();
+    let (moving, directions, margin) = spanned(&changes, &sizes, &open);
     let proven = |c: usize, sign: f64| strokes.iter().any(|s| s.proven == Some((c, sign)));
     let both = |c: usize| proven(c, 1.0) && proven(c, -1.0);
     let all_proven = open.iter().all(|&c| both(c));
@@ -175,20 +181,20 @@ fn answered(name: &str, model: &RestModel, held: Held, strokes: Vec<Stroke>, tri
 
 /// The largest set of coordinates that loops positively span without a change of the other ones, with the directions of these
 /// loops (0 for the others) and the margin.
-fn spanned(strokes: &[Stroke], sizes: &[f64], open: &[usize]) -> (Vec<usize>, Vec<Vec<f64>>, f64) {
+pub(crate) fn spanned(changes: &[&[f64]], sizes: &[f64], open: &[usize]) -> (Vec<usize>, Vec<Vec<f64>>, f64) {
     let mut sets: Vec<Vec<usize>> = (1u32..1 << open.len().min(MAX_OPEN))
         .map(|bits| (0..open.len()).filter(|k| bits >> k & 1 == 1).map(|k| open[k]).collect())
         .collect();
     sets.sort_by_key(|set| std::cmp::Reverse(set.len()));
     for set in sets {
-        let is_alone = |s: &Stroke| {
+        let is_alone = |change: &[f64]| {
             let others = open.iter().filter(|c| !set.contains(c));
-            others.into_iter().all(|&c| s.displacements[0].change[c].abs() <= ROUNDING * sizes[c].max(1.0))
+            others.into_iter().all(|&c| change[c].abs() <= ROUNDING * sizes[c].max(1.0))
         };
-        let of = |s: &Stroke| {
-            if is_alone(s) { direction(&s.displacements[0].change, sizes, &set) } else { vec![0.0; set.len()] }
+        let of = |change: &&[f64]| {
+            if is_alone(change) { direction(change, sizes, &set) } else { vec![0.0; set.len()] }
         };
-        let directions: Vec<Vec<f64>> = strokes.iter().map(of).collect();
+        let directions: Vec<Vec<f64>> = changes.iter().map(of).collect();
         let found = margin(&directions);
         if found >= LEAST_MARGIN {
             return (set, directions, found);

@@ -4,7 +4,7 @@ use bracketry_sim::{Hold, InputError};
 use bracketry_symbolic::StopFlag;
 
 use super::model::RestModel;
-use super::strokes::Loop;
+use super::strokes::{CLOSING, Loop};
 use crate::roll_out::RollOut;
 use crate::signals::Signals;
 
@@ -16,8 +16,6 @@ const PAUSES: [f64; 3] = [1.0, 4.0, 16.0];
 const SHORTEST_PAUSE: f64 = 0.1;
 /// Steps of the secant method.
 const SECANTS: usize = 12;
-/// What closes a loop changes its values by no more than this factor, or its inverse.
-const LEAST_FACTOR: f64 = 0.9;
 
 /// The plant that loops are tried on.
 pub(crate) struct Plant {
@@ -64,7 +62,7 @@ impl Plant {
         let (mut at_a, mut at_b) = (left(a)?, left(b)?);
         for _ in 0..SECANTS {
             if at_b.abs() < 0.1 * REST {
-                return (LEAST_FACTOR..=1.0 / LEAST_FACTOR).contains(&b).then_some(b);
+                return (CLOSING..=1.0 / CLOSING).contains(&b).then_some(b);
             }
             let next = b - at_b * (b - a) / (at_b - at_a);
             if !next.is_finite() {

@@ -22,6 +22,7 @@ mod held;
 mod map;
 mod margin;
 mod model;
+mod plan;
 mod result;
 mod strokes;
 
@@ -34,3 +35,5 @@ pub use result::{
     Answer, CoordinateAnswer, Displacement, FromRest, FromRestError, FromRestOptions, FromRestReason, Proof, Stroke,
 };
 pub use strokes::Shape;
+
+pub(crate) use plan::plan;

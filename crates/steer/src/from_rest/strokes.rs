@@ -1,6 +1,7 @@
 //! Loops of the inputs: from rest to rest, with constant highest derivatives in between.
 
 use bracketry_sim::Hold;
+use bracketry_symbolic::Symbol;
 use serde::Serialize;
 
 use super::bounds::Span;
@@ -18,7 +19,7 @@ const SHAKES: usize = 4;
 /// A return is slower than the slowest one that moves anything by this factor.
 const SLOW: f64 = 0.9;
 /// The acceleration of the second input of a pair, as a part of its bound: what closes a loop may exceed it.
-const CLOSING: f64 = 0.9;
+pub(crate) const CLOSING: f64 = 0.8;
 /// Bisections of the acceleration of a return.
 const BISECTIONS: usize = 20;
 
@@ -235,6 +236,12 @@ fn room(channel: &Channel, order: usize, up: bool) -> f64 {
 
 fn lift(model: &RestModel, j: usize, up: bool, shaken: bool) -> Option<Loop> {
     let channel = &model.channels[j];
+    // Where only the highest derivative acts, it does not matter where the input is.
+    let acts = |s: &Option<Symbol>| s.is_some_and(|s| model.valued.iter().any(|&e| model.system.pool.depends_on(e, s)));
+    let order = channel.order();
+    if order > 0 && !channel.symbols[..order].iter().any(acts) {
+        return None;
+    }
     let sign = if up { 1.0 } else { -1.0 };
     let far = room(channel, 0, up);
     let (peak, pieces) = match channel.order() {

@@ -1,10 +1,11 @@
 //! Motion from rest to rest under dry friction: exact thresholds, displacements in closed form, margins.
 
-use crate::common::{Numbers, model, system};
+use crate::common::{Numbers, model, reached, system};
 use bracketry_steer::from_rest::{
     Answer, Bound, FromRest, FromRestError, FromRestOptions, FromRestReason, Holds, Motion, Proof, Shape, from_rest,
     margin,
 };
+use bracketry_steer::{SteerMethod, SteerOptions, Steering, own_inputs};
 use bracketry_symbolic::Rational;
 use bracketry_system::{System, point};
 
@@ -200,4 +201,38 @@ fn bounds_that_do_not_fit_are_refused() {
     for text in ["der(X,2)", "der(X,2)=1", "der(X,2)=2..1", "der(X,2)=a..1"] {
         assert!(matches!(Bound::list(text), Err(FromRestError::Bound { .. })), "{text}");
     }
+}
+
+/// From rest to rest by loops, between coordinates by name; simulated again by itself.
+fn steered(system: &System, bounds: &str, from: &[(&str, f64)], to: &[(&str, f64)]) -> Steering {
+    let given = own_inputs(system).unwrap();
+    let state = |named: &[(&str, f64)]| -> Vec<f64> {
+        let value = |n: &String| named.iter().find(|(name, _)| name == n).map_or(0.0, |(_, v)| *v);
+        given.state_names().iter().map(value).collect()
+    };
+    let mut options = SteerOptions::between(&state(from), &state(to));
+    options.bounds = Bound::list(bounds).unwrap();
+    options.method = Some(SteerMethod::Loops);
+    reached(system, &options)
+}
+
+#[test]
+fn loops_steer_from_rest_to_rest() {
+    let table = model("shaken_table");
+    for to in [0.05, -0.003, 0.0] {
+        let found = steered(&table, "der(X,2)=-5..5", &[], &[("x", to)]);
+        assert!(found.signals.unwrap().values.iter().all(|u| u[0].abs() <= 5.0));
+    }
+    steered(&model("cart_on_tilting_beam"), "der(theta,2)=-20..20", &[("s", 0.1)], &[("s", 0.03)]);
+    steered(&model("vibrating_bowl"), "der(X,2)=-6..6,der(Y,2)=-6..6", &[], &[("x", 0.03), ("y", -0.02)]);
+}
+
+#[test]
+fn loops_steer_the_plate() {
+    let bounds = "der(X,2)=-5..5,theta=-0.4..0.4,der(theta,2)=-20..20";
+    let start = [("x", 0.48), ("y", -0.03)];
+    steered(&model("plate_point"), bounds, &start, &[("x", 0.54), ("y", 0.01)]);
+    let all = [("x", 0.54), ("y", 0.0), ("phi", std::f64::consts::FRAC_PI_2)];
+    steered(&model("plate_published"), bounds, &start, &all);
+    steered(&model("plate_reduced"), bounds, &start, &[("x", 0.5), ("y", 0.0), ("phi", 0.2)]);
 }
