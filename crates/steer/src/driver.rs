@@ -6,27 +6,20 @@ use bracketry_lie::Error as LieError;
 use bracketry_lie::analysis::{ModeFields, mode_fields};
 use bracketry_sim::Hold;
 use bracketry_symbolic::ZeroTest;
-use bracketry_system::{AffineError, System};
+use bracketry_system::System;
 
 use crate::correction::corrected;
+use crate::integrators::own_inputs;
 use crate::options::{SteerError, SteerMethod, SteerOptions};
 use crate::problem::{Outcome, Planned, Problem};
 use crate::ranges::Ranges;
 use crate::roll_out::{RollOut, distance};
 use crate::signals::Signals;
 use crate::steering::{Attempt, SteerNote, SteerReason, SteerStatus, Steering};
-use crate::{chained, flat, from_rest, nilpotent, shooting};
+use crate::{chained, flat, loops, nilpotent, shooting};
 
 /// Inputs are slowed a little more than needed, so that corrections find room.
 const ROOM: f64 = 1.002;
-
-/// The model with integrators in front of the inputs whose derivatives it uses: what is steered.
-///
-/// # Errors
-/// [`AffineError`] where these are not found.
-pub fn own_inputs(system: &System) -> Result<System, AffineError> {
-    if system.input_derivatives.is_empty() { Ok(system.clone()) } else { Ok(system.affinize()?.system) }
-}
 
 /// Inputs that move a model from one state to another.
 ///
@@ -200,7 +193,7 @@ fn run(problem: &Problem, view: &View, method: SteerMethod) -> Outcome {
         SteerMethod::Chained => chained::plan(problem, fields()?, &mut system),
         SteerMethod::Nilpotent => nilpotent::plan(problem, fields()?, &mut system, &mut simulated(Hold::Previous)?),
         SteerMethod::Flat => flat::plan(problem, fields()?, &mut system),
-        SteerMethod::Loops => from_rest::plan(problem),
+        SteerMethod::Loops => loops::plan(problem),
         SteerMethod::Shooting if !problem.system.input_delays.is_empty() => Err(SteerReason::Delays),
         SteerMethod::Shooting => shooting::plan(problem, &problem.system, &mut simulated(Hold::Linear)?),
     }

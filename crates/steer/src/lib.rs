@@ -23,6 +23,8 @@ mod driver;
 mod flat;
 pub mod from_rest;
 mod hall_algebra;
+mod integrators;
+mod loops;
 mod nilpotent;
 mod options;
 mod problem;
@@ -32,7 +34,8 @@ mod shooting;
 mod signals;
 mod steering;
 
-pub use driver::{own_inputs, steer};
+pub use driver::steer;
+pub use integrators::own_inputs;
 pub use options::{SteerError, SteerMethod, SteerOptions};
 pub use signals::Signals;
 pub use steering::{Attempt, Plan, SteerNote, SteerReason, SteerStatus, Steering};

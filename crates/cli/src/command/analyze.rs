@@ -16,6 +16,7 @@ use bracketry::report::parameters::{
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
+use super::from_rest;
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::{Outcome, OutputArgs};
@@ -73,14 +74,14 @@ pub(crate) struct AnalyzeArgs {
     determines: Vec<String>,
     /// Stop after this many seconds; what is undecided by then is reported as unknown
     #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = time_limit)]
-    pub(crate) time_limit: Duration,
+    time_limit: Duration,
     /// Which rest states inputs within bounds reach from the rest state at the point, under dry friction
     #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability"])]
     from_rest: bool,
     /// Bounds of inputs, of their derivatives, and of states, such as "der(X,2)=-4..4,theta=-0.2..0.2", for --from-rest;
     /// beside the ranges of the model
     #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true, requires = "from_rest")]
-    pub(crate) bounds: Option<String>,
+    bounds: Option<String>,
     /// Parameters whose values are left open, or "symbolic" for all: at which of their values do the verdicts change?
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
@@ -88,7 +89,7 @@ pub(crate) struct AnalyzeArgs {
     /// "der(X,2)=1..6,theta=0.1..0.5", about the values at rest; the figure goes to --out
     #[arg(long, value_name = "A=LOW..HIGH,B=LOW..HIGH", allow_hyphen_values = true,
         conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters"])]
-    pub(crate) map: Option<String>,
+    map: Option<String>,
     /// Local and global identifiability of parameters and initial states, and identifiable combinations
     #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map"])]
     identifiability: bool,
@@ -100,7 +101,7 @@ pub(crate) struct AnalyzeArgs {
     unknown_inputs: Vec<String>,
     /// Cells along each axis of the map
     #[arg(long, value_name = "N", default_value_t = 40, requires = "map")]
-    pub(crate) cells: usize,
+    cells: usize,
     /// Maximum number of simultaneous conditions on parameters
     #[arg(long, value_name = "N", default_value_t = 2)]
     conditions: usize,
@@ -135,7 +136,14 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
         if let Some(at) = &args.at {
             system.point = Some(bracketry::point(&mut system, at).context("--at")?);
         }
-        return super::from_rest::run(&system, args, output);
+        let request = from_rest::Request {
+            model: &args.model,
+            bounds: args.bounds.as_deref(),
+            map: args.map.as_deref(),
+            cells: args.cells,
+            time_limit: args.time_limit,
+        };
+        return from_rest::run(&system, &request, output);
     }
     if args.identifiability {
         return identifiable(&system, args, output);

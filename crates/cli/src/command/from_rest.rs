@@ -1,5 +1,8 @@
 //! `bracketry analyze --from-rest`: which rest states inputs within bounds reach.
 
+use std::path::Path;
+use std::time::Duration;
+
 use anyhow::Context;
 use bracketry::report::from_rest::{
     from_rest_cones, from_rest_json, from_rest_map_figure, from_rest_map_json, from_rest_map_text, from_rest_text,
@@ -7,16 +10,29 @@ use bracketry::report::from_rest::{
 use bracketry::steer::from_rest::{Answer, Bound, FromRestOptions, from_rest, from_rest_map};
 use bracketry::system::System;
 
-use super::analyze::AnalyzeArgs;
 use super::output::{figure, folder, json, print, write};
 use super::progress::spinner;
 use super::{Outcome, OutputArgs};
 
+/// What is asked.
+pub(crate) struct Request<'a> {
+    /// The model file.
+    pub(crate) model: &'a Path,
+    /// Bounds.
+    pub(crate) bounds: Option<&'a str>,
+    /// Two bounds that vary.
+    pub(crate) map: Option<&'a str>,
+    /// Cells along each axis.
+    pub(crate) cells: usize,
+    /// When to stop.
+    pub(crate) time_limit: Duration,
+}
+
 /// Prints the answer, and draws the cone of displacements.
-pub(crate) fn run(system: &System, args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let bounds = args.bounds.as_deref().map_or(Ok(Vec::new()), Bound::list).context("--bounds")?;
+pub(crate) fn run(system: &System, args: &Request<'_>, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let bounds = args.bounds.map_or(Ok(Vec::new()), Bound::list).context("--bounds")?;
     let options = FromRestOptions { bounds, time_limit: Some(args.time_limit), ..FromRestOptions::default() };
-    if let Some(map) = &args.map {
+    if let Some(map) = args.map {
         return cells(system, map, &options, args, output);
     }
     let progress = spinner("friction cones and loops");
@@ -40,7 +56,7 @@ fn cells(
     system: &System,
     map: &str,
     options: &FromRestOptions,
-    args: &AnalyzeArgs,
+    args: &Request<'_>,
     output: &OutputArgs,
 ) -> anyhow::Result<Outcome> {
     let axes: [Bound; 2] = Bound::list(map).context("--map")?.try_into().map_err(|list: Vec<Bound>| {

@@ -4,7 +4,7 @@ use bracketry_symbolic::Rational;
 use bracketry_system::{Constants, System};
 use serde::Serialize;
 
-use super::FromRestError;
+use super::error::FromRestError;
 
 /// A closed interval, with its ends as exact numbers where they are rational.
 #[derive(Clone, Debug, PartialEq)]

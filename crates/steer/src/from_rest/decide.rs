@@ -6,12 +6,12 @@ use bracketry_system::System;
 
 use super::bounds::{Bound, Span, derivative_name};
 use super::displacement::Plant;
+use super::error::FromRestError;
 use super::held::{Held, Motion, Test, Where};
 use super::margin::margin;
 use super::model::{Channel, RestModel};
-use super::result::{
-    Answer, CoordinateAnswer, Displacement, FromRest, FromRestError, FromRestOptions, FromRestReason, Proof, Stroke,
-};
+use super::reason::FromRestReason;
+use super::result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOptions, Proof, Stroke};
 use super::strokes::{self, Loop};
 
 /// Durations of loops, relative to the full ones, at which displacements are computed.

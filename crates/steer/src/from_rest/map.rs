@@ -6,9 +6,11 @@ use serde::Serialize;
 use super::bounds::{Bound, derivative_name};
 use super::decide::{Limit, decided};
 use super::displacement::Plant;
+use super::error::FromRestError;
 use super::held::Motion;
 use super::model::RestModel;
-use super::result::{Answer, FromRestError, FromRestOptions, FromRestReason};
+use super::reason::FromRestReason;
+use super::result::{Answer, FromRestOptions};
 
 /// Bisections of a threshold.
 const BISECTIONS: usize = 24;

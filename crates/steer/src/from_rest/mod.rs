@@ -16,24 +16,23 @@
 //! ```
 
 mod bounds;
-mod decide;
-mod displacement;
+pub(crate) mod decide;
+pub(crate) mod displacement;
+mod error;
 mod held;
 mod map;
 mod margin;
-mod model;
-mod plan;
+pub(crate) mod model;
+mod reason;
 mod result;
-mod strokes;
+pub(crate) mod strokes;
 
 pub use bounds::Bound;
 pub use decide::from_rest;
+pub use error::FromRestError;
 pub use held::{Cone, Holds, Motion};
 pub use map::{CellAnswers, FromRestMap, Threshold, from_rest_map};
 pub use margin::margin;
-pub use result::{
-    Answer, CoordinateAnswer, Displacement, FromRest, FromRestError, FromRestOptions, FromRestReason, Proof, Stroke,
-};
+pub use reason::FromRestReason;
+pub use result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOptions, Proof, Stroke};
 pub use strokes::Shape;
-
-pub(crate) use plan::plan;

@@ -5,8 +5,9 @@ use bracketry_system::{SwitchKind, System};
 use rustc_hash::FxHashMap;
 
 use super::bounds::{Bound, End, Span, derivative_name};
-use super::{FromRestError, FromRestReason};
-use crate::driver::own_inputs;
+use super::error::FromRestError;
+use super::reason::FromRestReason;
+use crate::integrators::own_inputs;
 
 /// How far from the point a coordinate without bounds may move in a statement about a neighborhood.
 const NEIGHBORHOOD: f64 = 0.01;

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::bounds::Bound;
 use super::held::{Cone, Motion};
+use super::reason::FromRestReason;
 use super::strokes::Shape;
 use crate::signals::Signals;
 
@@ -119,115 +120,4 @@ pub struct FromRest {
     pub directions: Vec<Vec<f64>>,
     /// Radius of the ball about 0 in the hull of these directions.
     pub margin: f64,
-}
-
-/// Why there is no answer.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case", tag = "reason")]
-pub enum FromRestReason {
-    /// No state is a coordinate: one whose rate vanishes at rest whatever the inputs.
-    NoCoordinates,
-    /// No dry friction acts on a velocity.
-    NoFriction,
-    /// Inputs act with a delay.
-    Delays,
-    /// The model in affine form has other inputs.
-    Inputs,
-    /// The point is not a rest state: friction does not hold it there with the inputs at their values.
-    NotAtRest,
-    /// A sign of something else than velocities.
-    OtherSwitch {
-        /// The switching function.
-        name: String,
-    },
-    /// The loops that were tried do not positively span the coordinates.
-    Loops {
-        /// Loops that were tried.
-        tried: usize,
-    },
-    /// The time limit was reached, or it was asked to stop.
-    Stopped,
-}
-
-impl std::fmt::Display for FromRestReason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::NoCoordinates => write!(f, "no state keeps its value at rest whatever the inputs"),
-            Self::NoFriction => {
-                write!(f, "no dry friction acts on a velocity: the other verdicts on controllability apply")
-            }
-            Self::Delays => write!(f, "inputs act with a delay: analyze the model without it"),
-            Self::Inputs => write!(f, "the model with integrators in front of the inputs has other inputs"),
-            Self::NotAtRest => {
-                write!(f, "friction is not shown to hold the state at the point; choose a point at rest")
-            }
-            Self::OtherSwitch { name } => write!(f, "the equations switch with {name}, which is no velocity"),
-            Self::Loops { tried } => {
-                write!(f, "the displacements of {tried} loops do not positively span the coordinates; try wider bounds")
-            }
-            Self::Stopped => write!(f, "the time limit was reached"),
-        }
-    }
-}
-
-/// Misuse.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FromRestError {
-    /// A text that gives no bound.
-    #[error("`{text}` is not a bound: write NAME=LOW..HIGH, such as der(X,2)=-4..4")]
-    Bound {
-        /// The text.
-        text: String,
-    },
-    /// A bound of something unknown.
-    #[error("`{name}` has no bounds here: give bounds of {}", .known.join(", "))]
-    Unknown {
-        /// The name.
-        name: String,
-        /// What may have bounds.
-        known: Vec<String>,
-    },
-    /// Two bounds of the same thing.
-    #[error("`{name}` has two bounds: remove one")]
-    Twice {
-        /// The name.
-        name: String,
-    },
-    /// The highest derivative of an input is not bounded.
-    #[error("`{name}` is not bounded: give its bounds, as in {name}=-4..4")]
-    Unbounded {
-        /// The derivative.
-        name: String,
-    },
-    /// Bounds that exclude rest.
-    #[error("the bounds of `{name}` exclude its value at rest, {rest}: widen them, or change the point")]
-    RestOutside {
-        /// The name.
-        name: String,
-        /// Its value at rest.
-        rest: f64,
-    },
-    /// An axis of a map that is no bound of an input.
-    #[error(
-        "the axis `{name}` of the map: give an input or one of its derivatives, as in {name}=0.1..2, and at least one cell"
-    )]
-    Axis {
-        /// The name.
-        name: String,
-    },
-    /// A coordinate whose value at the point is no number.
-    #[error("`{name}` has no finite value at the point: give one")]
-    Point {
-        /// The coordinate.
-        name: String,
-    },
-    /// The model cannot be simulated.
-    #[error(transparent)]
-    Input(#[from] bracketry_sim::InputError),
-    /// Derivatives of inputs that cannot be replaced by integrators.
-    #[error(transparent)]
-    Affine(#[from] bracketry_system::AffineError),
-    /// The equations divide by zero everywhere.
-    #[error(transparent)]
-    Denominator(#[from] bracketry_system::ZeroDenominator),
 }

@@ -6,11 +6,11 @@ use bracketry_symbolic::Rational;
 use bracketry_system::Point;
 use nalgebra::DVector;
 
-use super::decide::{LEAST_MARGIN, spanned};
-use super::displacement::{Displaced, Plant, at_rest};
-use super::model::RestModel;
-use super::strokes::{self, Loop, rest_values};
-use super::{FromRestReason, decide};
+use crate::from_rest::decide::{self, LEAST_MARGIN, spanned};
+use crate::from_rest::displacement::{Displaced, Plant, at_rest};
+use crate::from_rest::model::RestModel;
+use crate::from_rest::strokes::{self, Loop, rest_values};
+use crate::from_rest::{FromRestReason, Motion};
 use crate::problem::{Outcome, Planned, Problem};
 use crate::signals::Signals;
 use crate::steering::{Plan, SteerReason};
@@ -89,10 +89,10 @@ impl Planner<'_> {
         let start = self.coordinates(from);
         let gap: Vec<f64> = self.coordinates(to).iter().zip(&start).map(|(b, a)| b - a).collect();
         let motions = decide::global(&mut self.model).motions;
-        if let Some(c) = (0..gap.len()).find(|&c| gap[c].abs() > ROUNDING && motions[c] == super::Motion::Never) {
+        if let Some(c) = (0..gap.len()).find(|&c| gap[c].abs() > ROUNDING && motions[c] == Motion::Never) {
             return Err(SteerReason::Held { coordinate: self.model.coordinate_names()[c].clone() });
         }
-        let open: Vec<usize> = (0..gap.len()).filter(|&c| motions[c] != super::Motion::Never).collect();
+        let open: Vec<usize> = (0..gap.len()).filter(|&c| motions[c] != Motion::Never).collect();
         let all = [strokes::single(&mut self.model), strokes::pairs(&mut self.model)].concat();
         let tried = all.len();
         let mut found: Vec<(Loop, Vec<f64>)> = Vec::new();
