@@ -6,7 +6,7 @@ use bracketry_symbolic::Rational;
 use bracketry_system::Point;
 use nalgebra::DVector;
 
-use crate::from_rest::decide::{self, LEAST_MARGIN, spanned};
+use crate::from_rest::decide::{self, LEAST_MARGIN, Spanned, spanned};
 use crate::from_rest::displacement::{Displaced, Plant, at_rest};
 use crate::from_rest::model::RestModel;
 use crate::from_rest::strokes::{self, Loop, rest_values};
@@ -111,7 +111,7 @@ impl Planner<'_> {
             let changes: Vec<&[f64]> = found.iter().map(|(_, d)| d.as_slice()).collect();
             spanned(&changes, &self.sizes, &open)
         };
-        let (moving, directions, whole) = of(&found);
+        let Spanned { moving, directions, margin: whole } = of(&found);
         let missing = (0..gap.len()).any(|c| gap[c].abs() > ROUNDING && !moving.contains(&c));
         if missing || whole < LEAST_MARGIN {
             return Err(SteerReason::FromRest(FromRestReason::Loops { tried }));
@@ -124,8 +124,8 @@ impl Planner<'_> {
         while k < found.len() {
             let mut fewer = found.clone();
             fewer.remove(k);
-            let (set, _, margin) = of(&fewer);
-            if set == moving && margin >= KEPT_MARGIN * whole { found = fewer } else { k += 1 }
+            let rest = of(&fewer);
+            if rest.moving == moving && rest.margin >= KEPT_MARGIN * whole { found = fewer } else { k += 1 }
         }
         self.loops = found.into_iter().map(|(stroke, _)| stroke).collect();
         Ok(())

@@ -90,7 +90,7 @@ pub fn from_rest_map_figure(map: &FromRestMap) -> Result<Drawing, PlotError> {
         .cells(map.x.clone(), map.y.clone(), rows)
         .missing("not computed in time");
     for (k, n) in names.iter().enumerate() {
-        figure = figure.category(n.clone(), Color::band(k));
+        figure = figure.category(n.clone(), Color::series(k).mix(Color(255, 255, 255), 0.6));
     }
     figure.draw()
 }

@@ -25,6 +25,15 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
                 format!("{inputs} go off and back together, with accelerations {} and {}", readable(*a), readable(*b));
             if *twice { format!("{both}, and again with the opposite sign of the second") } else { both }
         }
+        Shape::Carried { peak, fast, slow } => {
+            let [first, second] = [0, 1].map(|k| s.inputs.get(k).map_or("", String::as_str));
+            format!(
+                "{second} goes off by {}, {first} accelerates there at {}, and comes back within {}",
+                readable(*peak),
+                readable(*fast),
+                readable(*slow)
+            )
+        }
         Shape::Lift { peak, shaken } => {
             let there = if *shaken { ", shakes a little" } else { "" };
             format!("{inputs} goes off by {}{there}, and comes back", readable(*peak))

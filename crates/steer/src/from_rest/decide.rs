@@ -51,18 +51,27 @@ pub fn from_rest(system: &System, options: &FromRestOptions) -> Result<FromRest,
             model.system.pool.set_stop_flag(options.stop.clone());
             model.system.pool.set_deadline(limit.deadline);
             let mut plant = Plant::new(&model, &options.stop)?;
-            Ok(decided(&system.name, &mut model, &mut plant, &SHORTER, limit))
+            Ok(decided(&system.name, &mut model, &mut plant, Depth::Full, limit))
         }
         Err(reason) => Ok(FromRest::without_answer(&system.name, reason)),
     }
 }
 
-/// The answer for a model with its bounds, with displacements of loops whose durations are multiplied by each of `shorter`.
+/// How much is computed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// All loops, also shorter ones.
+    Full,
+    /// Only what the answers need.
+    Answers,
+}
+
+/// The answer for a model with its bounds.
 pub(crate) fn decided(
     name: &str,
     model: &mut RestModel,
     plant: &mut Plant,
-    shorter: &[f64],
+    depth: Depth,
     limit: Limit<'_>,
 ) -> FromRest {
     let home: Vec<Vec<Span>> = model.channels.iter().map(Channel::at_home).collect();
@@ -73,15 +82,21 @@ pub(crate) fn decided(
     let held = global(model);
     let mut strokes = Vec::new();
     let (mut tried, mut stopped) = (0, false);
-    if held.motions.iter().any(|m| *m != Motion::Never) {
-        let loops = [strokes::single(model), strokes::pairs(model)].concat();
-        for stroke in loops {
+    let open: Vec<usize> = (0..held.motions.len()).filter(|&c| held.motions[c] != Motion::Never).collect();
+    for make in [strokes::single, strokes::pairs] {
+        if open.is_empty() || stopped || depth == Depth::Answers && is_spanned(&strokes, &open) {
+            break;
+        }
+        for stroke in make(model) {
             if limit.is_over() {
                 stopped = true;
                 break;
             }
             tried += 1;
-            strokes.extend(examined(model, plant, &stroke, shorter));
+            strokes.extend(examined(model, plant, &stroke, depth));
+            if depth == Depth::Answers && stroke.moved.len() > 1 && is_spanned(&strokes, &open) {
+                break;
+            }
         }
     }
     answered(name, model, held, strokes, tried, stopped)
@@ -99,11 +114,11 @@ pub(crate) fn is_displaced(change: &[f64], from: &[f64]) -> bool {
 }
 
 /// What a loop does; `None` if it moves nothing, or does not end at rest.
-fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, shorter: &[f64]) -> Option<Stroke> {
+fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, depth: Depth) -> Option<Stroke> {
     let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
     let whole = plant.displaced(model, &at, stroke, 1.0)?;
     let mut displacements = vec![Displacement { scale: 1.0, change: whole.change.clone() }];
-    for &scale in shorter {
+    for &scale in if depth == Depth::Full { &SHORTER[..] } else { &[] } {
         let Some(found) = plant.displaced(model, &at, stroke, scale) else { break };
         displacements.push(Displacement { scale, change: found.change });
     }
@@ -132,10 +147,7 @@ fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, shorter: &[
 fn answered(name: &str, model: &RestModel, held: Held, strokes: Vec<Stroke>, tried: usize, stopped: bool) -> FromRest {
     let count = model.coordinates.len();
     let open: Vec<usize> = (0..count).filter(|&c| held.motions[c] != Motion::Never).collect();
-    let size = |c: usize| strokes.iter().map(|s| s.displacements[0].change[c].abs()).fold(0.0, f64::max);
-    let sizes: Vec<f64> = (0..count).map(size).collect();
-    let changes: Vec<&[f64]> = strokes.iter().map(|s| s.displacements[0].change.as_slice()).collect();
-    let (moving, directions, margin) = spanned(&changes, &sizes, &open);
+    let (sizes, Spanned { moving, directions, margin }) = span_of(&strokes, count, &open);
     let proven = |c: usize, sign: f64| strokes.iter().any(|s| s.proven == Some((c, sign)));
     let both = |c: usize| proven(c, 1.0) && proven(c, -1.0);
     let all_proven = open.iter().all(|&c| both(c));
@@ -179,9 +191,32 @@ fn answered(name: &str, model: &RestModel, held: Held, strokes: Vec<Stroke>, tri
     }
 }
 
+/// Coordinates that loops positively span.
+pub(crate) struct Spanned {
+    pub(crate) moving: Vec<usize>,
+    /// By loop, over the moving coordinates.
+    pub(crate) directions: Vec<Vec<f64>>,
+    pub(crate) margin: f64,
+}
+
+/// The sizes of displacements by coordinate, and what the loops span.
+fn span_of(strokes: &[Stroke], count: usize, open: &[usize]) -> (Vec<f64>, Spanned) {
+    let changes: Vec<&[f64]> = strokes.iter().map(|s| s.displacements[0].change.as_slice()).collect();
+    let size = |c: usize| changes.iter().map(|d| d[c].abs()).fold(0.0, f64::max);
+    let sizes: Vec<f64> = (0..count).map(size).collect();
+    let found = spanned(&changes, &sizes, open);
+    (sizes, found)
+}
+
+/// Whether the loops positively span all of these coordinates.
+fn is_spanned(strokes: &[Stroke], open: &[usize]) -> bool {
+    let count = strokes.first().map_or(0, |s| s.displacements[0].change.len());
+    count > 0 && span_of(strokes, count, open).1.moving.len() == open.len()
+}
+
 /// The largest set of coordinates that loops positively span without a change of the other ones, with the directions of these
 /// loops (0 for the others) and the margin.
-pub(crate) fn spanned(changes: &[&[f64]], sizes: &[f64], open: &[usize]) -> (Vec<usize>, Vec<Vec<f64>>, f64) {
+pub(crate) fn spanned(changes: &[&[f64]], sizes: &[f64], open: &[usize]) -> Spanned {
     let mut sets: Vec<Vec<usize>> = (1u32..1 << open.len().min(MAX_OPEN))
         .map(|bits| (0..open.len()).filter(|k| bits >> k & 1 == 1).map(|k| open[k]).collect())
         .collect();
@@ -197,10 +232,10 @@ pub(crate) fn spanned(changes: &[&[f64]], sizes: &[f64], open: &[usize]) -> (Vec
         let directions: Vec<Vec<f64>> = changes.iter().map(of).collect();
         let found = margin(&directions);
         if found >= LEAST_MARGIN {
-            return (set, directions, found);
+            return Spanned { moving: set, directions, margin: found };
         }
     }
-    (Vec::new(), Vec::new(), 0.0)
+    Spanned { moving: Vec::new(), directions: Vec::new(), margin: 0.0 }
 }
 
 /// A displacement in units of the sizes, of length 1, over the coordinates that move.

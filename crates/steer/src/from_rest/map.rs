@@ -4,7 +4,7 @@ use bracketry_system::System;
 use serde::Serialize;
 
 use super::bounds::{Bound, derivative_name};
-use super::decide::{Limit, decided};
+use super::decide::{Depth, Limit, decided};
 use super::displacement::Plant;
 use super::error::FromRestError;
 use super::held::Motion;
@@ -76,7 +76,7 @@ impl Varied<'_> {
         for (&(channel, order), size) in self.places.iter().zip(sizes) {
             self.model.bound(channel, order, size);
         }
-        let found = decided("", &mut self.model, &mut self.plant, &[], self.limit);
+        let found = decided("", &mut self.model, &mut self.plant, Depth::Answers, self.limit);
         if found.reason == Some(FromRestReason::Stopped) {
             return None;
         }

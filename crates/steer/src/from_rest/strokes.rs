@@ -41,6 +41,15 @@ pub enum Shape {
         /// Whether it is shaken a little while it stays there.
         shaken: bool,
     },
+    /// The second input goes to a value; there the first one accelerates, and comes back when the second one is back.
+    Carried {
+        /// Difference of the second input from its value at rest.
+        peak: f64,
+        /// Acceleration of the first input.
+        fast: f64,
+        /// Size of its acceleration on the way back.
+        slow: f64,
+    },
     /// Two inputs go off and back, together; a second time, with the opposite sign of the second input, if a velocity has no
     /// friction of its own.
     Together {
@@ -195,12 +204,43 @@ pub(crate) fn pairs(model: &mut RestModel) -> Vec<Loop> {
             let held = held_acceleration(model, i, first);
             for a in [Some(first), held].into_iter().flatten().filter(|a| *a > 0.0 && second > 0.0) {
                 for sign in [1.0, -1.0] {
+                    list.extend(carried(model, [i, j], sign * a, sign > 0.0));
+                    list.extend(carried(model, [i, j], sign * a, sign < 0.0));
                     list.push(together(model, [i, j], [a, sign * second], driven.first().copied()));
                 }
             }
         }
     }
     list
+}
+
+/// Input j goes off, input i accelerates there, and comes back when j is back.
+fn carried(model: &RestModel, [i, j]: [usize; 2], fast: f64, up: bool) -> Option<Loop> {
+    let limit = room(&model.channels[i], 2, true).min(room(&model.channels[i], 2, false));
+    let slow = held_acceleration(&mut model.clone(), i, limit)?;
+    let under = lift(model, j, up, false)?;
+    let Shape::Lift { peak, .. } = under.shape else { return None };
+    let mut pieces = under.pieces;
+    // The piece in the middle is the one in which j stays.
+    let middle = pieces.len() / 2;
+    let t = pieces[middle].1;
+    pieces[middle].0[i] += fast;
+    let after: f64 = pieces[middle + 1..].iter().map(|p| p.1).sum();
+    let (speed, brake) = (fast * t, fast.abs() * t / slow);
+    let far = (0.5 * fast * t * t + speed * after + 0.5 * speed * brake).abs();
+    let back = (far / slow).sqrt();
+    let rest = rest_values(model);
+    for (value, duration) in [(-fast.signum() * slow, brake + back), (fast.signum() * slow, back)] {
+        let mut row = rest.clone();
+        row[i] += value;
+        pieces.push((row, duration));
+    }
+    let channel = &model.channels[i];
+    let fits = speed.abs() <= room(channel, 1, fast > 0.0)
+        && far <= room(channel, 0, fast > 0.0)
+        && slow * back <= room(channel, 1, fast < 0.0);
+    let shape = Shape::Carried { peak, fast, slow };
+    fits.then(|| Loop { shape, moved: vec![i, j], pieces, closing: None })
 }
 
 /// Both inputs have accelerations +, −, −, + of equal duration, as long as the bounds allow.
