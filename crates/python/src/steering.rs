@@ -24,6 +24,7 @@ fn method_of(name: &str) -> Result<Option<SteerMethod>, Failure> {
         "chained" => Ok(Some(SteerMethod::Chained)),
         "nilpotent" => Ok(Some(SteerMethod::Nilpotent)),
         "flat" => Ok(Some(SteerMethod::Flat)),
+        "loops" => Ok(Some(SteerMethod::Loops)),
         "shooting" => Ok(Some(SteerMethod::Shooting)),
         other => Err(Failure::new(format!(
             "method is \"{other}\"; it can be \"auto\", \"chained\", \"nilpotent\", \"flat\" or \"shooting\""

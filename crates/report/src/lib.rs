@@ -16,6 +16,7 @@ mod control_signals;
 mod diagnosis;
 pub mod export;
 pub mod forms;
+pub mod from_rest;
 pub mod html;
 pub mod identifiability;
 mod notation;

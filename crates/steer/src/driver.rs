@@ -6,43 +6,36 @@ use bracketry_lie::Error as LieError;
 use bracketry_lie::analysis::{ModeFields, mode_fields};
 use bracketry_sim::Hold;
 use bracketry_symbolic::ZeroTest;
-use bracketry_system::{AffineError, System};
+use bracketry_system::System;
 
 use crate::correction::corrected;
+use crate::integrators::own_inputs;
 use crate::options::{SteerError, SteerMethod, SteerOptions};
 use crate::problem::{Outcome, Planned, Problem};
 use crate::ranges::Ranges;
 use crate::roll_out::{RollOut, distance};
 use crate::signals::Signals;
 use crate::steering::{Attempt, SteerNote, SteerReason, SteerStatus, Steering};
-use crate::{chained, flat, nilpotent, shooting};
+use crate::{chained, flat, loops, nilpotent, shooting};
 
 /// Inputs are slowed a little more than needed, so that corrections find room.
 const ROOM: f64 = 1.002;
 
-/// The model with integrators in front of the inputs whose derivatives it uses: what is steered.
+/// Inputs that move a model from one state to another.
 ///
-/// # Errors
-/// [`AffineError`] where these are not found.
-pub fn own_inputs(system: &System) -> Result<System, AffineError> {
-    if system.input_derivatives.is_empty() { Ok(system.clone()) } else { Ok(system.affinize()?.system) }
-}
-
-/// Inputs that move `system` from one state to another.
-///
-/// The states of the options are those of [`own_inputs`] of the system. Every motion that is returned is a simulation of the
+/// The states of the options are those of [`own_inputs`] of the model. Every motion that is returned is a simulation of the
 /// system itself under the returned inputs.
 ///
 /// # Errors
 /// [`SteerError`] for lists of the wrong length, numbers that are not finite, and models that cannot be simulated. That no
 /// motion is found is a result, not an error.
-pub fn steer(system: &System, options: &SteerOptions) -> Result<Steering, SteerError> {
-    let system = own_inputs(system)?;
+pub fn steer(given: &System, options: &SteerOptions) -> Result<Steering, SteerError> {
+    let system = own_inputs(given)?;
     check(&system, options)?;
     system.check_denominators()?;
     let deadline = options.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let ranges = Ranges::of(&system);
-    let problem = Problem { system: system.clone(), options: options.clone(), ranges, deadline };
+    let problem = Problem { given: given.clone(), system: system.clone(), options: options.clone(), ranges, deadline };
     let mut result = Steering {
         status: SteerStatus::NotFound,
         plan: None,
@@ -58,7 +51,17 @@ pub fn steer(system: &System, options: &SteerOptions) -> Result<Steering, SteerE
     };
     let methods = match options.method {
         Some(method) => vec![method],
-        None => vec![SteerMethod::Chained, SteerMethod::Nilpotent, SteerMethod::Flat, SteerMethod::Shooting],
+        None if options.bounds.is_empty() => {
+            vec![SteerMethod::Chained, SteerMethod::Nilpotent, SteerMethod::Flat, SteerMethod::Shooting]
+        }
+        // The bounds are for loops.
+        None => vec![
+            SteerMethod::Chained,
+            SteerMethod::Nilpotent,
+            SteerMethod::Flat,
+            SteerMethod::Loops,
+            SteerMethod::Shooting,
+        ],
     };
     let view = View::of(&problem);
     for method in methods {
@@ -190,6 +193,7 @@ fn run(problem: &Problem, view: &View, method: SteerMethod) -> Outcome {
         SteerMethod::Chained => chained::plan(problem, fields()?, &mut system),
         SteerMethod::Nilpotent => nilpotent::plan(problem, fields()?, &mut system, &mut simulated(Hold::Previous)?),
         SteerMethod::Flat => flat::plan(problem, fields()?, &mut system),
+        SteerMethod::Loops => loops::plan(problem),
         SteerMethod::Shooting if !problem.system.input_delays.is_empty() => Err(SteerReason::Delays),
         SteerMethod::Shooting => shooting::plan(problem, &problem.system, &mut simulated(Hold::Linear)?),
     }

@@ -6,6 +6,8 @@ use bracketry_symbolic::{Expr, StopFlag};
 use bracketry_system::{PointError, System, point};
 use serde::Serialize;
 
+use crate::from_rest::Bound;
+
 /// A way of finding inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -16,6 +18,9 @@ pub enum SteerMethod {
     Nilpotent,
     /// Polynomials in flat outputs (Fliess, Lévine, Martin, and Rouchon 1995).
     Flat,
+    /// Loops of the inputs from rest to rest, under dry friction ([`crate::from_rest`]); they need
+    /// [bounds](SteerOptions::bounds).
+    Loops,
     /// Sinusoids whose amplitudes are found by Levenberg–Marquardt iterations on the end error.
     Shooting,
 }
@@ -33,6 +38,8 @@ pub struct SteerOptions {
     pub to_inputs: Option<Vec<f64>>,
     /// Length of the motion in seconds. A model without drift takes longer where the ranges of its inputs ask for it.
     pub duration: Option<f64>,
+    /// Bounds of inputs and of their derivatives for [`SteerMethod::Loops`], beside the ranges of the model.
+    pub bounds: Vec<Bound>,
     /// The method; `None` for the first that reaches the end.
     pub method: Option<SteerMethod>,
     /// Largest difference of a state from its value at the end, for which it is reached.
@@ -54,6 +61,7 @@ impl SteerOptions {
             from_inputs: None,
             to_inputs: None,
             duration: None,
+            bounds: Vec::new(),
             method: None,
             tolerance: 1e-6,
             time_limit: Some(Duration::from_mins(2)),

@@ -13,6 +13,9 @@ use crate::steering::{Plan, SteerReason};
 /// The model, the two states, and limits.
 #[derive(Clone)]
 pub(crate) struct Problem {
+    /// The model as it was given.
+    pub(crate) given: System,
+    /// With integrators in front of the inputs whose derivatives it uses.
     pub(crate) system: System,
     pub(crate) options: SteerOptions,
     pub(crate) ranges: Ranges,

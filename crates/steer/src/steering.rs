@@ -7,6 +7,7 @@ use bracketry_symbolic::Function;
 use bracketry_system::System;
 use serde::Serialize;
 
+use crate::from_rest::{FromRestError, FromRestReason};
 use crate::options::SteerMethod;
 use crate::signals::Signals;
 
@@ -52,6 +53,13 @@ pub enum Plan {
         /// Degree of the polynomials.
         degrees: Vec<usize>,
     },
+    /// By loops of the inputs from rest to rest.
+    Loops {
+        /// Loops, one after the other.
+        loops: usize,
+        /// Different loops among them.
+        shapes: usize,
+    },
     /// By shooting.
     Shooting {
         /// Sinusoids per input.
@@ -68,6 +76,7 @@ impl Plan {
             Plan::Chained { .. } => SteerMethod::Chained,
             Plan::Nilpotent { .. } => SteerMethod::Nilpotent,
             Plan::Flat { .. } => SteerMethod::Flat,
+            Plan::Loops { .. } => SteerMethod::Loops,
             Plan::Shooting { .. } => SteerMethod::Shooting,
         }
     }
@@ -103,6 +112,22 @@ pub enum SteerReason {
     OneSided {
         /// The input.
         input: String,
+    },
+    /// Loops need states at rest at both ends: velocities zero, inputs and their derivatives the same.
+    NotAtRest,
+    /// Friction holds a coordinate for all admissible inputs.
+    Held {
+        /// The coordinate.
+        coordinate: String,
+    },
+    /// The bounds do not fit the model.
+    Bounds(FromRestError),
+    /// There are no loops for this model, or they do not positively span the coordinates.
+    FromRest(FromRestReason),
+    /// The loops take longer than asked for.
+    TooLong {
+        /// Seconds that are needed.
+        needed: f64,
     },
     /// Inputs leave their ranges.
     Ranges,

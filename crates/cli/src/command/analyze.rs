@@ -15,13 +15,14 @@ use bracketry::report::parameters::{
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
+use super::from_rest;
 use super::limits::TimeLimit;
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
-pub(crate) const EXAMPLES: [(&str, &str); 7] = [
+pub(crate) const EXAMPLES: [(&str, &str); 8] = [
     ("Analyze a model", "bracketry analyze models/plate_published.toml"),
     ("At another point, as Markdown", "bracketry analyze models/cart_pole.toml --at th=pi --markdown"),
     ("Brackets written out", "bracketry analyze models/unicycle.toml --bracket \"[g1,g2]\""),
@@ -33,6 +34,10 @@ pub(crate) const EXAMPLES: [(&str, &str); 7] = [
     (
         "Local and global identifiability of the parameters",
         "bracketry analyze model.toml --identifiability --known-initial x1=0",
+    ),
+    (
+        "Which rest states are reached under dry friction",
+        "bracketry analyze models/shaken_table.toml --from-rest --bounds \"der(X,2)=-4..4\"",
     ),
     ("Write report, affine model, and figures to a folder", "bracketry analyze models/cart_pole.toml --out out"),
 ];
@@ -69,12 +74,20 @@ pub(crate) struct AnalyzeArgs {
     determines: Vec<String>,
     #[command(flatten)]
     pub(crate) time_limit: TimeLimit,
+    /// Which rest states inputs within bounds reach from the rest state at the point, under dry friction
+    #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability"])]
+    from_rest: bool,
+    /// Bounds of inputs, of their derivatives, and of states, such as "der(X,2)=-4..4,theta=-0.2..0.2", for --from-rest;
+    /// beside the ranges of the model
+    #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true, requires = "from_rest")]
+    bounds: Option<String>,
     /// Parameters whose values are left open, or "symbolic" for all: at which of their values do the verdicts change?
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
-    /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; the figure goes to --out
+    /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; with --from-rest over two bounds, such as
+    /// "der(X,2)=1..6,theta=0.1..0.5", about the values at rest; the figure goes to --out
     #[arg(long, value_name = "A=LOW..HIGH,B=LOW..HIGH", allow_hyphen_values = true,
-        conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters"])]
+        conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters"])]
     map: Option<String>,
     /// Local and global identifiability of parameters and initial states, and identifiable combinations
     #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map"])]
@@ -112,6 +125,19 @@ impl AnalyzeArgs {
 /// Prints what the inputs of a model reach.
 pub(crate) fn analyze(args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let mut system = output.limits.read(&args.model)?;
+    if args.from_rest {
+        if let Some(at) = &args.at {
+            system.point = Some(bracketry::point(&mut system, at).context("--at")?);
+        }
+        let request = from_rest::Request {
+            model: &args.model,
+            bounds: args.bounds.as_deref(),
+            map: args.map.as_deref(),
+            cells: args.cells,
+            time_limit: args.time_limit.get(),
+        };
+        return from_rest::run(&system, &request, output);
+    }
     if args.identifiability {
         return identifiable(&system, args, output);
     }
@@ -119,6 +145,7 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result
         return cases(&system, parameters, args, output);
     }
     if let Some(map) = &args.map {
+        anyhow::ensure!(args.at.is_none(), "--at cannot be used with --map unless --from-rest is given");
         return cells(&system, map, args, output);
     }
     if let Some(at) = &args.at {

@@ -13,6 +13,7 @@ mod demo;
 mod diagnose;
 mod export;
 mod file_kind;
+mod from_rest;
 mod help;
 mod limits;
 mod live;

@@ -7,6 +7,7 @@ use bracketry::report::steering::{
     steering_figure, steering_inputs, steering_json, steering_path, steering_scenario, steering_text,
     steering_trajectory,
 };
+use bracketry::steer::from_rest::Bound;
 use bracketry::steer::{SteerMethod, SteerOptions, SteerStatus, Steering, own_inputs, steer};
 use clap::{Args, ValueEnum};
 
@@ -34,6 +35,8 @@ enum MethodArg {
     Nilpotent,
     /// Polynomials in flat outputs
     Flat,
+    /// Loops of the inputs from rest to rest under dry friction, within --bounds
+    Loops,
     /// Sinusoids found by iterations on the end error
     Shooting,
 }
@@ -53,6 +56,9 @@ pub(crate) struct SteerArgs {
     /// Duration of the motion in seconds [default: long enough for the ranges of the inputs]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     duration: Option<f64>,
+    /// Bounds of inputs and of their derivatives for --method loops, such as "der(X,2)=-4..4,theta=-0.2..0.2"
+    #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true)]
+    bounds: Option<String>,
     /// How the inputs are found
     #[arg(long, value_enum, default_value = "auto")]
     method: MethodArg,
@@ -73,10 +79,12 @@ pub(crate) fn run(args: &SteerArgs, output: &CommonArgs) -> anyhow::Result<Outco
         MethodArg::Chained => Some(SteerMethod::Chained),
         MethodArg::Nilpotent => Some(SteerMethod::Nilpotent),
         MethodArg::Flat => Some(SteerMethod::Flat),
+        MethodArg::Loops => Some(SteerMethod::Loops),
         MethodArg::Shooting => Some(SteerMethod::Shooting),
     };
     let options = SteerOptions {
         duration: args.duration,
+        bounds: args.bounds.as_deref().map_or(Ok(Vec::new()), Bound::list).context("--bounds")?,
         method,
         time_limit: Some(args.time_limit.get()),
         seed: args.seed,
@@ -84,7 +92,7 @@ pub(crate) fn run(args: &SteerArgs, output: &CommonArgs) -> anyhow::Result<Outco
         ..SteerOptions::named(&mut system, args.from.as_deref(), &args.to)?
     };
     let progress = spinner("steering");
-    let found = steer(&system, &options).with_context(|| path.clone())?;
+    let found = steer(&given, &options).with_context(|| path.clone())?;
     progress.finish_and_clear();
     let text = steering_text(&found);
     let mut written = Vec::new();

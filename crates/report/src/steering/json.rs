@@ -58,6 +58,7 @@ fn planned(plan: &Plan, states: &[String]) -> Value {
         Plan::Flat { outputs, integrators, degrees } => {
             json!({"flat_outputs": outputs, "integrators": integrators, "degrees": degrees})
         }
+        Plan::Loops { loops, shapes } => json!({"loops": loops, "shapes": shapes}),
         Plan::Shooting { harmonics, starts } => json!({"harmonics": harmonics, "starts": starts}),
     }
 }

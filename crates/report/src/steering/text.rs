@@ -15,6 +15,7 @@ pub(super) fn method(method: SteerMethod) -> &'static str {
             "piecewise constant inputs from Philip Hall coordinates (Lafferriere and Sussmann 1991)"
         }
         SteerMethod::Flat => "polynomials in flat outputs (Fliess, Lévine, Martin, and Rouchon 1995)",
+        SteerMethod::Loops => "loops of the inputs from rest to rest",
         SteerMethod::Shooting => "shooting: sinusoids found by Levenberg–Marquardt iterations on the end error",
     }
 }
@@ -52,6 +53,15 @@ pub(super) fn reason(reason: &SteerReason) -> String {
         SteerReason::OneSided { input } => {
             format!("{input} would need a sign that its range excludes")
         }
+        SteerReason::NotAtRest => {
+            "both ends must be at rest: velocities zero, inputs and their derivatives the same".to_owned()
+        }
+        SteerReason::Held { coordinate } => {
+            format!("friction holds {coordinate} for all inputs within their bounds (proven)")
+        }
+        SteerReason::Bounds(error) => error.to_string(),
+        SteerReason::FromRest(why) => why.to_string(),
+        SteerReason::TooLong { needed } => format!("the loops take {} s, longer than --duration", readable(*needed)),
         SteerReason::Ranges => "inputs leave their ranges; a longer --duration may help".to_owned(),
         SteerReason::EndError { error } if error.is_finite() => {
             format!("the best motion ends {} away; use it as a first guess, or try --duration", readable(*error))
@@ -109,6 +119,7 @@ fn plan_lines(s: &Steering, plan: &Plan) -> Vec<String> {
                 degrees.join(", ")
             )]
         }
+        Plan::Loops { loops, shapes } => vec![format!("  loops: {loops}, of {shapes} shapes")],
         Plan::Shooting { harmonics, starts } => {
             vec![format!("  sinusoids per input: {harmonics}, starts: {starts}")]
         }
@@ -159,6 +170,7 @@ pub fn steering_text(s: &Steering) -> String {
             SteerMethod::Chained => "chained form",
             SteerMethod::Nilpotent => "Philip Hall coordinates",
             SteerMethod::Flat => "flat outputs",
+            SteerMethod::Loops => "loops",
             SteerMethod::Shooting => "shooting",
         };
         lines.push(format!("without result: {name}: {}", reason(&attempt.reason)));

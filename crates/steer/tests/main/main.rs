@@ -4,4 +4,5 @@
 mod chained;
 mod common;
 mod flat_and_shooting;
+mod from_rest;
 mod nilpotent;

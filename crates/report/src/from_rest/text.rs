@@ -1,0 +1,130 @@
+//! The text of motion from rest to rest.
+
+use bracketry_steer::from_rest::{Answer, Cone, FromRest, Holds, Motion, Proof, Shape, Stroke};
+use bracketry_system::readable;
+
+/// What friction balances, as an inequality.
+pub(super) fn cone_text(c: &Cone) -> String {
+    match (&c.friction, &c.rates[..]) {
+        (Some(b), [a]) => format!("|{a}| <= {b}"),
+        (Some(b), list) => format!("|({})| <= {b}", list.join(", ")),
+        (None, [a]) => format!("{a} = 0"),
+        (None, _) => "friction on combinations of velocities".to_owned(),
+    }
+}
+
+/// A loop in a few words.
+pub(super) fn stroke_name(s: &Stroke) -> String {
+    let inputs = s.inputs.join(", ");
+    match &s.shape {
+        Shape::FastSlow { fast, slow } => {
+            format!("{inputs} accelerates at {}, and comes back within {}", readable(*fast), readable(*slow))
+        }
+        Shape::Together { accelerations: [a, b], twice } => {
+            let both =
+                format!("{inputs} go off and back together, with accelerations {} and {}", readable(*a), readable(*b));
+            if *twice { format!("{both}, and again with the opposite sign of the second") } else { both }
+        }
+        Shape::Carried { peak, fast, slow } => {
+            let [first, second] = [0, 1].map(|k| s.inputs.get(k).map_or("", String::as_str));
+            format!(
+                "{second} goes off by {}, {first} accelerates there at {}, and comes back within {}",
+                readable(*peak),
+                readable(*fast),
+                readable(*slow)
+            )
+        }
+        Shape::Lift { peak, shaken } => {
+            let there = if *shaken { ", shakes a little" } else { "" };
+            format!("{inputs} goes off by {}{there}, and comes back", readable(*peak))
+        }
+    }
+}
+
+fn proof(p: Proof) -> &'static str {
+    match p {
+        Proof::Proven => "proven",
+        Proof::Evidence => "numerical evidence",
+    }
+}
+
+fn answer(a: Answer) -> String {
+    match a {
+        Answer::No => "no (proven)".to_owned(),
+        Answer::Yes { proof: p } => format!("yes ({})", proof(p)),
+        Answer::Unknown => "unknown".to_owned(),
+    }
+}
+
+fn motion(m: Motion) -> &'static str {
+    match m {
+        Motion::Never => "never changes",
+        Motion::OnlyUp => "never decreases",
+        Motion::OnlyDown => "never increases",
+        Motion::Open => "",
+    }
+}
+
+/// The answer, with its reasons.
+pub fn from_rest_text(found: &FromRest) -> String {
+    let mut lines = vec![format!("{}: from rest to rest", found.model)];
+    lines.push(format!("are all rest states near the point reached from it: {}", answer(found.answer)));
+    if let Some(reason) = &found.reason {
+        lines.push(format!("  {reason}"));
+    }
+    if !found.bounds.is_empty() {
+        lines.push("bounds:".to_owned());
+        for b in &found.bounds {
+            lines.push(format!("  {} from {} to {}", b.name, readable(b.low), readable(b.high)));
+        }
+    }
+    if !found.coordinates.is_empty() {
+        lines.push("coordinates, and whether they change in both directions:".to_owned());
+        for c in &found.coordinates {
+            let more = motion(c.motion);
+            let more = if more.is_empty() { String::new() } else { format!(": {more}, whatever the inputs") };
+            lines.push(format!("  {} = {}: {}{more}", c.name, readable(c.at), answer(c.answer)));
+        }
+    }
+    if !found.cones.is_empty() {
+        lines.push("friction holds, if at rest:".to_owned());
+        for c in &found.cones {
+            let holds = match c.holds {
+                Holds::Always => "for all admissible inputs",
+                Holds::NotAlways => "not for all admissible inputs",
+                Holds::Undecided => "not decided",
+            };
+            lines.push(format!("  {}: {}: {holds}", c.velocities.join(", "), cone_text(c)));
+        }
+    }
+    if !found.strokes.is_empty() {
+        lines.push("loops of the inputs, from rest to rest, and their displacements:".to_owned());
+        for s in &found.strokes {
+            lines.push(format!("  {} ({} s)", stroke_name(s), readable(s.duration)));
+            for d in s.displacements.iter().take(2) {
+                let list: Vec<String> = found
+                    .coordinates
+                    .iter()
+                    .zip(&d.change)
+                    .filter(|(_, d)| d.abs() > 1e-12)
+                    .map(|(c, d)| format!("{} by {}", c.name, readable(*d)))
+                    .collect();
+                let list = if list.is_empty() { "nothing".to_owned() } else { list.join(", ") };
+                let when =
+                    if d.scale == 1.0 { String::new() } else { format!("in {} of the time: ", readable(d.scale)) };
+                lines.push(format!("    {when}{list}"));
+            }
+            if let Some((c, sign)) = s.proven {
+                let way = if sign > 0.0 { "up" } else { "down" };
+                lines.push(format!("    proven: moves only {}, and only {way}", found.coordinates[c].name));
+            }
+        }
+        let names: Vec<&str> = found.moving.iter().map(|&c| found.coordinates[c].name.as_str()).collect();
+        lines.push(format!(
+            "margin: a ball of radius {} lies in the hull of the directions of displacement over {}",
+            readable(found.margin),
+            names.join(", ")
+        ));
+    }
+    lines.join("\n") + "\n"
+}

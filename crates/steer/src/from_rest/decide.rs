@@ -1,0 +1,280 @@
+//! The answer: friction cones first, then loops.
+
+use std::time::Instant;
+
+use bracketry_system::System;
+
+use super::bounds::{Bound, Span, derivative_name};
+use super::displacement::Plant;
+use super::error::FromRestError;
+use super::held::{Held, Motion, Test, Where};
+use super::margin::margin;
+use super::model::{Channel, RestModel};
+use super::reason::FromRestReason;
+use super::result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOptions, Proof, Stroke};
+use super::strokes::{self, Loop};
+
+/// Durations of loops, relative to the full ones, at which displacements are computed.
+const SHORTER: [f64; 3] = [0.5, 0.25, 0.125];
+/// A margin below this is none.
+pub(crate) const LEAST_MARGIN: f64 = 1e-3;
+/// Most coordinates whose subsets are looked at.
+const MAX_OPEN: usize = 8;
+/// A displacement below this part of the size of the coordinate, at least of this much, is rounding of the simulation.
+const ROUNDING: f64 = 1e-9;
+
+/// When to stop.
+#[derive(Clone, Copy)]
+pub(crate) struct Limit<'a> {
+    pub(crate) options: &'a FromRestOptions,
+    pub(crate) deadline: Option<Instant>,
+}
+
+impl<'a> Limit<'a> {
+    pub(crate) fn new(options: &'a FromRestOptions) -> Self {
+        Limit { options, deadline: options.time_limit.and_then(|limit| Instant::now().checked_add(limit)) }
+    }
+
+    pub(crate) fn is_over(self) -> bool {
+        self.options.stop.is_raised() || self.deadline.is_some_and(|d| Instant::now() >= d)
+    }
+}
+
+/// Whether inputs within their bounds move the coordinates of a model from rest to rest, near its point.
+///
+/// # Errors
+/// [`FromRestError`] for bounds that do not fit the model, and for models that cannot be simulated.
+pub fn from_rest(system: &System, options: &FromRestOptions) -> Result<FromRest, FromRestError> {
+    let limit = Limit::new(options);
+    match RestModel::new(system, &options.bounds)? {
+        Ok(mut model) => {
+            model.system.pool.set_stop_flag(options.stop.clone());
+            model.system.pool.set_deadline(limit.deadline);
+            let mut plant = Plant::new(&model, &options.stop)?;
+            Ok(decided(&system.name, &mut model, &mut plant, Depth::Full, limit))
+        }
+        Err(reason) => Ok(FromRest::without_answer(&system.name, reason)),
+    }
+}
+
+/// How much is computed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// All loops, also shorter ones.
+    Full,
+    /// Only what the answers need.
+    Answers,
+}
+
+/// The answer for a model with its bounds.
+pub(crate) fn decided(
+    name: &str,
+    model: &mut RestModel,
+    plant: &mut Plant,
+    depth: Depth,
+    limit: Limit<'_>,
+) -> FromRest {
+    let home: Vec<Vec<Span>> = model.channels.iter().map(Channel::at_home).collect();
+    let at_home = Test::new(model, &home, Where::Anywhere).run();
+    if at_home.motions.iter().any(|m| *m != Motion::Never) {
+        return FromRest::without_answer(name, FromRestReason::NotAtRest);
+    }
+    let held = global(model);
+    let mut strokes = Vec::new();
+    let (mut tried, mut stopped) = (0, false);
+    let open: Vec<usize> = (0..held.motions.len()).filter(|&c| held.motions[c] != Motion::Never).collect();
+    for make in [strokes::single, strokes::pairs] {
+        if open.is_empty() || stopped || depth == Depth::Answers && is_spanned(&strokes, &open) {
+            break;
+        }
+        for stroke in make(model) {
+            if limit.is_over() {
+                stopped = true;
+                break;
+            }
+            tried += 1;
+            strokes.extend(examined(model, plant, &stroke, depth));
+            if depth == Depth::Answers && stroke.moved.len() > 1 && is_spanned(&strokes, &open) {
+                break;
+            }
+        }
+    }
+    answered(name, model, held, strokes, tried, stopped)
+}
+
+/// What friction holds for all admissible inputs.
+pub(crate) fn global(model: &mut RestModel) -> Held {
+    let inputs: Vec<Vec<Span>> = model.channels.iter().map(|c| c.spans.clone()).collect();
+    Test::new(model, &inputs, Where::Anywhere).run()
+}
+
+/// Whether a change of coordinates is more than rounding of the simulation.
+pub(crate) fn is_displaced(change: &[f64], from: &[f64]) -> bool {
+    change.iter().zip(from).any(|(d, q)| d.abs() > ROUNDING * q.abs().max(1.0))
+}
+
+/// What a loop does; `None` if it moves nothing, or does not end at rest.
+fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, depth: Depth) -> Option<Stroke> {
+    let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
+    let whole = plant.displaced(model, &at, stroke, 1.0)?;
+    let mut displacements = vec![Displacement { scale: 1.0, change: whole.change.clone() }];
+    for &scale in if depth == Depth::Full { &SHORTER[..] } else { &[] } {
+        let Some(found) = plant.displaced(model, &at, stroke, scale) else { break };
+        displacements.push(Displacement { scale, change: found.change });
+    }
+    let full = displacements.first()?;
+    if !is_displaced(&full.change, &at) {
+        return None;
+    }
+    let inputs = whole.closed.spans(model);
+    let held = Test::new(model, &inputs, Where::Near).run();
+    let mut moved = held.motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
+    let proven = match (moved.next(), moved.next()) {
+        (Some((c, Motion::OnlyUp)), None) if full.change[c] > ROUNDING => Some((c, 1.0)),
+        (Some((c, Motion::OnlyDown)), None) if full.change[c] < -ROUNDING => Some((c, -1.0)),
+        _ => None,
+    };
+    Some(Stroke {
+        inputs: stroke.moved.iter().map(|&j| model.channels[j].name.clone()).collect(),
+        shape: stroke.shape.clone(),
+        duration: stroke.duration(),
+        displacements,
+        proven,
+        signals: whole.signals,
+    })
+}
+
+fn answered(name: &str, model: &RestModel, held: Held, strokes: Vec<Stroke>, tried: usize, stopped: bool) -> FromRest {
+    let count = model.coordinates.len();
+    let open: Vec<usize> = (0..count).filter(|&c| held.motions[c] != Motion::Never).collect();
+    let (sizes, Spanned { moving, directions, margin }) = span_of(&strokes, count, &open);
+    let proven = |c: usize, sign: f64| strokes.iter().any(|s| s.proven == Some((c, sign)));
+    let both = |c: usize| proven(c, 1.0) && proven(c, -1.0);
+    let all_proven = open.iter().all(|&c| both(c));
+    let answer = |c: usize| match held.motions[c] {
+        Motion::Never | Motion::OnlyUp | Motion::OnlyDown => Answer::No,
+        Motion::Open if both(c) => Answer::Yes { proof: Proof::Proven },
+        Motion::Open if moving.contains(&c) => Answer::Yes { proof: Proof::Evidence },
+        Motion::Open => Answer::Unknown,
+    };
+    let names = model.coordinate_names();
+    let coordinates: Vec<CoordinateAnswer> = (0..count)
+        .map(|c| CoordinateAnswer {
+            name: names[c].clone(),
+            at: model.at[c].value,
+            motion: held.motions[c],
+            answer: answer(c),
+        })
+        .collect();
+    let any = |a: Answer| coordinates.iter().any(|c| c.answer == a);
+    let total = if any(Answer::No) {
+        Answer::No
+    } else if any(Answer::Unknown) {
+        Answer::Unknown
+    } else {
+        Answer::Yes { proof: if all_proven { Proof::Proven } else { Proof::Evidence } }
+    };
+    let reason =
+        any(Answer::Unknown).then_some(if stopped { FromRestReason::Stopped } else { FromRestReason::Loops { tried } });
+    FromRest {
+        model: name.to_owned(),
+        answer: total,
+        reason,
+        coordinates,
+        bounds: bounds(model),
+        cones: held.cones,
+        strokes,
+        moving,
+        sizes,
+        directions,
+        margin,
+    }
+}
+
+/// Coordinates that loops positively span.
+pub(crate) struct Spanned {
+    pub(crate) moving: Vec<usize>,
+    /// By loop, over the moving coordinates.
+    pub(crate) directions: Vec<Vec<f64>>,
+    pub(crate) margin: f64,
+}
+
+/// The sizes of displacements by coordinate, and what the loops span.
+fn span_of(strokes: &[Stroke], count: usize, open: &[usize]) -> (Vec<f64>, Spanned) {
+    let changes: Vec<&[f64]> = strokes.iter().map(|s| s.displacements[0].change.as_slice()).collect();
+    let size = |c: usize| changes.iter().map(|d| d[c].abs()).fold(0.0, f64::max);
+    let sizes: Vec<f64> = (0..count).map(size).collect();
+    let found = spanned(&changes, &sizes, open);
+    (sizes, found)
+}
+
+/// Whether the loops positively span all of these coordinates.
+fn is_spanned(strokes: &[Stroke], open: &[usize]) -> bool {
+    let count = strokes.first().map_or(0, |s| s.displacements[0].change.len());
+    count > 0 && span_of(strokes, count, open).1.moving.len() == open.len()
+}
+
+/// The largest set of coordinates that loops positively span without a change of the other ones, with the directions of these
+/// loops (0 for the others) and the margin.
+pub(crate) fn spanned(changes: &[&[f64]], sizes: &[f64], open: &[usize]) -> Spanned {
+    let mut sets: Vec<Vec<usize>> = (1u32..1 << open.len().min(MAX_OPEN))
+        .map(|bits| (0..open.len()).filter(|k| bits >> k & 1 == 1).map(|k| open[k]).collect())
+        .collect();
+    sets.sort_by_key(|set| std::cmp::Reverse(set.len()));
+    for set in sets {
+        let is_alone = |change: &[f64]| {
+            let others = open.iter().filter(|c| !set.contains(c));
+            others.into_iter().all(|&c| change[c].abs() <= ROUNDING * sizes[c].max(1.0))
+        };
+        let of = |change: &&[f64]| {
+            if is_alone(change) { direction(change, sizes, &set) } else { vec![0.0; set.len()] }
+        };
+        let directions: Vec<Vec<f64>> = changes.iter().map(of).collect();
+        let found = margin(&directions);
+        if found >= LEAST_MARGIN {
+            return Spanned { moving: set, directions, margin: found };
+        }
+    }
+    Spanned { moving: Vec::new(), directions: Vec::new(), margin: 0.0 }
+}
+
+/// A displacement in units of the sizes, of length 1, over the coordinates that move.
+fn direction(change: &[f64], sizes: &[f64], open: &[usize]) -> Vec<f64> {
+    let scaled: Vec<f64> = open.iter().map(|&c| if sizes[c] > 0.0 { change[c] / sizes[c] } else { 0.0 }).collect();
+    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+    scaled.iter().map(|x| if length > 0.0 { x / length } else { 0.0 }).collect()
+}
+
+/// All bounds that hold.
+fn bounds(model: &RestModel) -> Vec<Bound> {
+    let mut list = Vec::new();
+    for channel in &model.channels {
+        for (order, span) in channel.spans.iter().enumerate().filter(|(_, s)| s.is_finite()) {
+            list.push(Bound::new(&derivative_name(&channel.name, order), span.ends[0], span.ends[1]));
+        }
+    }
+    for (name, region) in model.coordinate_names().iter().zip(&model.region) {
+        if let Some(span) = region {
+            list.push(Bound::new(name, span.ends[0], span.ends[1]));
+        }
+    }
+    list
+}
+
+impl FromRest {
+    fn without_answer(model: &str, reason: FromRestReason) -> Self {
+        FromRest {
+            model: model.to_owned(),
+            answer: Answer::Unknown,
+            reason: Some(reason),
+            coordinates: Vec::new(),
+            bounds: Vec::new(),
+            cones: Vec::new(),
+            strokes: Vec::new(),
+            moving: Vec::new(),
+            sizes: Vec::new(),
+            directions: Vec::new(),
+            margin: 0.0,
+        }
+    }
+}
