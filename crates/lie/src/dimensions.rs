@@ -23,8 +23,8 @@ pub struct Dimensions {
     /// Brackets that span it, the first `strong_growth[k]` of them after k rounds; none at a point.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub strong_basis: Vec<Bracket>,
-    /// Why the brackets were not closed, so that no growth is listed: the dimensions are those of a controllable linearization at the point,
-    /// and hence full.
+    /// Why the brackets were not closed, so that no growth is listed: the dimensions are those of a controllable linearization at the point
+    /// (the origin, of a model without one), and hence full.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub growth_reason: Option<Reason>,
     /// Why something is unknown.

@@ -208,7 +208,7 @@ impl SparseSpan {
     }
 
     fn add(&mut self, i: usize, x: Fp) {
-        self.work[i] = self.work[i] + x;
+        self.work[i] += x;
         if !self.listed[i] {
             self.listed[i] = true;
             self.places.push(Reverse(i));
@@ -255,7 +255,9 @@ impl SparseSpan {
         }
         let Some((first, lead)) = rest.first().copied() else { return false };
         let scale = lead.inv().unwrap_or(Fp::ONE);
-        rest.iter_mut().for_each(|(_, x)| *x = *x * scale);
+        for (_, x) in &mut rest {
+            *x *= scale;
+        }
         self.rows[first] = Some(rest);
         true
     }

@@ -51,6 +51,9 @@ impl VectorFields {
         while !words.fresh.is_empty() {
             let mut candidates = Vec::new();
             for (x, i) in generators.iter().flat_map(|x| words.fresh.clone().map(move |i| (x, i))) {
+                if let Some(limit) = pool.reached_limit() {
+                    return Err(limit.into());
+                }
                 if pool.len() - first_node > MAX_NODES {
                     return Ok(None);
                 }
@@ -68,6 +71,9 @@ impl VectorFields {
         while !series.is_empty() {
             let mut candidates = Vec::new();
             for (x, y) in generators.iter().flat_map(|x| series.iter().map(move |y| (x, y))) {
+                if let Some(limit) = pool.reached_limit() {
+                    return Err(limit.into());
+                }
                 if pool.len() - first_node > MAX_NODES {
                     return Ok(None);
                 }

@@ -17,9 +17,9 @@ use crate::evidence::Evidence;
 const SHARE_FOR_GROWTH: u32 = 4;
 
 impl Reach {
-    /// [`Reach::of`] a model with a point. Where brackets of a large system cannot be closed, a controllable linearization decides: the
-    /// brackets ad_f^k g_i are A^k b_i at an equilibrium, up to their sign, and what is independent at one point is independent at almost
-    /// every point.
+    /// [`Reach::of`] a model. Where brackets of a large system cannot be closed, a controllable linearization at its point (at the
+    /// origin, of a model without one) decides: the brackets ad_f^k g_i are A^k b_i at an equilibrium, up to their sign, and what is
+    /// independent at one point is independent at almost every point.
     pub(crate) fn of_model(
         pool: &mut Pool,
         fields: &VectorFields,
@@ -29,8 +29,12 @@ impl Reach {
     ) -> Reach {
         let n = fields.states.len();
         let mut linear = evidence.clone();
-        let controllable =
-            n >= LARGE && point.is_some_and(|p| linearly_controllable(pool, fields, p, &mut linear).unwrap_or(false));
+        let zero = pool.int(0);
+        let origin = || Point { states: vec![zero; n], inputs: vec![zero; fields.controls.len()] };
+        let controllable = n >= LARGE && {
+            let point = point.cloned().unwrap_or_else(origin);
+            linearly_controllable(pool, fields, &point, &mut linear).unwrap_or(false)
+        };
         if !controllable {
             return Self::of(pool, fields, first, evidence);
         }
@@ -44,7 +48,7 @@ impl Reach {
             return closed;
         };
         *evidence = linear;
-        let (zero, one) = (pool.int(0), pool.int(1));
+        let one = pool.int(1);
         let unit = |i: usize| -> Field { (0..n).map(|j| if i == j { one } else { zero }).collect() };
         let everything = Closure { growth: Vec::new(), basis: (0..n).map(unit).collect(), words: Vec::new() };
         Reach { all: Ok(everything.clone()), strong: Ok(everything), not_closed: Some(why) }
@@ -104,6 +108,8 @@ mod tests {
         assert_eq!(reach.strong.unwrap().dimension(), LARGE);
         assert!(reach.not_closed.is_some());
         // One that is not controllable decides nothing, nor does a point that is no equilibrium.
+        let (fields, _) = ring(&mut pool, "0");
+        assert!(Reach::of_model(&mut pool, &fields, None, 0, &mut exhausted()).all.is_ok());
         let (fields, point) = ring(&mut pool, "1");
         assert!(Reach::of_model(&mut pool, &fields, Some(&point), 0, &mut exhausted()).all.is_err());
         let (fields, mut point) = ring(&mut pool, "0");

@@ -2,6 +2,8 @@
 
 use bracketry_symbolic::{Echelon, Rational, UnivariatePolynomial};
 
+use crate::linear::characteristic::characteristic_polynomial;
+
 /// A matrix by its rows, all of the same length.
 #[derive(Clone, Debug, PartialEq)]
 #[must_use]
@@ -54,26 +56,9 @@ impl RationalMatrix {
         echelon.pivots.into_iter().eq(0..n).then_some(RationalMatrix { rows, columns: n })
     }
 
-    /// det(λ − M) of a square matrix, from its Hessenberg form.
+    /// det(λ − M) of a square matrix.
     pub fn characteristic_polynomial(&self) -> UnivariatePolynomial {
-        let mut h = self.rows.clone();
-        hessenberg(&mut h);
-        // p_k, of the leading k × k block: (λ − h_kk) p_(k−1) − Σ h_ik h_(i+1,i) … h_(k,k−1) p_(i−1).
-        let mut blocks = vec![UnivariatePolynomial::new(vec![Rational::ONE])];
-        for k in 0..h.len() {
-            let factor = UnivariatePolynomial::new(vec![-h[k][k].clone(), Rational::ONE]);
-            let mut p = factor.mul(&blocks[k]);
-            let mut below = Rational::ONE;
-            for i in (0..k).rev() {
-                below *= &h[i + 1][i];
-                if below == Rational::ZERO {
-                    break;
-                }
-                p = p.sub(&blocks[i].scaled(&(below.clone() * &h[i][k])));
-            }
-            blocks.push(p);
-        }
-        blocks.swap_remove(h.len())
+        characteristic_polynomial(&self.rows)
     }
 }
 
@@ -103,32 +88,6 @@ pub(crate) fn semidefinite(mut q: Vec<Vec<Rational>>) -> bool {
         }
     }
     true
-}
-
-/// Replaces a square matrix by a similar one with zeros below the first subdiagonal.
-fn hessenberg(h: &mut [Vec<Rational>]) {
-    let n = h.len();
-    for k in 1..n.saturating_sub(1) {
-        let Some(pivot) = (k..n).find(|&i| h[i][k - 1] != Rational::ZERO) else { continue };
-        h.swap(k, pivot);
-        for row in h.iter_mut() {
-            row.swap(k, pivot);
-        }
-        for i in k + 1..n {
-            if h[i][k - 1] == Rational::ZERO {
-                continue;
-            }
-            let factor = &h[i][k - 1] / &h[k][k - 1];
-            let (upper, lower) = h.split_at_mut(i);
-            for (x, y) in lower[0].iter_mut().zip(&upper[k]).skip(k - 1) {
-                *x -= &factor * y;
-            }
-            for row in h.iter_mut() {
-                let step = &factor * &row[i];
-                row[k] += step;
-            }
-        }
-    }
 }
 
 #[cfg(test)]

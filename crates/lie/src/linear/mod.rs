@@ -1,5 +1,6 @@
 //! Linear algebra for linearizations: exact over the rational numbers, else in floating point with bounded iterations.
 
+mod characteristic;
 pub(crate) mod distance;
 pub(crate) mod form;
 pub(crate) mod matrix;

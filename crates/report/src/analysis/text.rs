@@ -252,7 +252,7 @@ fn dimensions(f: &mut String, r: &Dimensions) -> fmt::Result {
     }
     match &r.growth_reason {
         Some(why) => {
-            writeln!(f, "    by the controllable linearization at the point; the brackets were not closed ({why})")
+            writeln!(f, "    by a controllable linearization at an equilibrium; the brackets were not closed ({why})")
         }
         None => Ok(()),
     }
