@@ -1,6 +1,6 @@
 //! Exact points on a set of parameters, and where equations have no value.
 
-use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 use serde::{Serialize, Serializer};
 
@@ -75,12 +75,13 @@ pub(crate) fn point_with(
     Confirmed::default()
 }
 
-/// Factors of denominators that vanish for all states.
+/// Functions of the parameters whose zeros leave the equations without a value for all states: factors of denominators as they are
+/// written, also of those that would cancel, arguments of logarithms, and what denominators have in common at different states.
 pub(crate) fn undefined_factors(pool: &mut Pool, subject: &Subject, symbols: &[Symbol]) -> Vec<Expr> {
     let roots = subject.roots();
-    let Ok(values) = StateValues::new(pool, &subject.fields.states, &roots) else { return Vec::new() };
-    let mut list = Vec::new();
     let mut budget = Budget::new(100_000);
+    let mut list = written(pool, &roots, symbols, &mut budget);
+    let Ok(values) = StateValues::new(pool, &subject.fields.states, &roots) else { return list };
     let maps = [values.draw(pool, 101), values.draw(pool, 102)];
     for &root in &roots {
         let mut common: Option<Vec<_>> = None;
@@ -95,6 +96,33 @@ pub(crate) fn undefined_factors(pool: &mut Pool, subject: &Subject, symbols: &[S
         }
         for f in common.unwrap_or_default() {
             let e = expression(pool, &f.polynomial, symbols);
+            if !list.contains(&e) {
+                list.push(e);
+            }
+        }
+    }
+    list
+}
+
+/// Factors of the denominators, and arguments of logarithms, that hold parameters alone.
+fn written(pool: &mut Pool, roots: &[Expr], symbols: &[Symbol], budget: &mut Budget) -> Vec<Expr> {
+    let mut list = Vec::new();
+    for node in pool.reachable(roots) {
+        let base = match pool.node(node) {
+            Node::Pow(base, k) if pool.number(k).is_some_and(|k| *k < Rational::ZERO) => base,
+            Node::Call(Func::Log, argument) => argument,
+            _ => continue,
+        };
+        let used = pool.symbols_of(&[base]);
+        if used.is_empty() || !used.iter().all(|s| symbols.contains(s)) {
+            continue;
+        }
+        let top = quotient(pool, base, symbols, budget).map(|q| q.0);
+        let found = match top.and_then(|top| factors(&top, budget)) {
+            Some(found) => found.iter().map(|f| expression(pool, &f.polynomial, symbols)).collect(),
+            None => vec![base],
+        };
+        for e in found {
             if !list.contains(&e) {
                 list.push(e);
             }

@@ -79,6 +79,31 @@ fn rigid_body(torques: &[usize]) -> String {
     text
 }
 
+/// As they are written: where a denominator or a logarithm has no value, there is no case, even if the factor would cancel.
+#[test]
+fn equations_without_a_value_are_no_case() {
+    let written = [
+        ("J2*(J2 - J3)/(J1*J2)*w2*w3 + u/J1", "(J3 - J1)*w3*w1", vec!["J1", "J2"]),
+        ("u/sqrt(J1 + J3)", "log(J2)*w1", vec!["J1 + J3", "J2"]),
+        ("u", "(J1^2 - J2^2)/(J1 - J2)*w1", vec!["J1 - J2"]),
+        ("u + w2/(J1 + w3^2)", "J2*w1", vec![]),
+    ];
+    for (first, second, expected) in written {
+        let text = format!(
+            "states = ['w1', 'w2', 'w3']\ninputs = ['u']\nparameters = {{ J1 = 1, J2 = 2, J3 = 3 }}\n[dynamics]\n\
+             w1 = '{first}'\nw2 = '{second}'\nw3 = '(J1 + J3)*w1*w2'\n"
+        );
+        let r = report(&text, 2);
+        let mut undefined: Vec<String> = r.undefined.iter().map(bracketry_lie::Function::text).collect();
+        undefined.sort();
+        assert_eq!(undefined, expected, "{first}");
+        let sets = r.aspects.iter().flat_map(|a| &a.cases).flat_map(|c| &c.conditions).map(ToString::to_string);
+        for set in sets {
+            assert!(!expected.contains(&set.as_str()), "{first}: {set}");
+        }
+    }
+}
+
 /// Two torques about principal axes: accessible if and only if the inertias about these differ (Baillieul 1981).
 #[test]
 fn a_rigid_body_with_two_torques_is_accessible_unless_their_inertias_are_equal() {
