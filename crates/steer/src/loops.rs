@@ -20,8 +20,8 @@ const MAX_LOOPS: usize = 1000;
 /// The last loops are this part of the full ones, or more: shorter ones of some families move nothing.
 const SHORTEST: f64 = 0.2;
 const SHORTEST_SCALE: f64 = 0.01;
-/// Durations of the full loops, relative to the first ones: shorter where a loop cannot be closed.
-const LONGEST: [f64; 6] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.15];
+/// Durations of the full loops, relative to the first ones: shorter where a loop cannot be closed, or cannot be simulated.
+const LONGEST: [f64; 8] = [1.0, 0.99, 0.95, 0.9, 0.7, 0.5, 0.35, 0.25];
 /// Bisections of the duration of a loop with a given displacement.
 const BISECTIONS: usize = 30;
 /// Loops are left out as long as this part of the margin stays.
@@ -93,7 +93,8 @@ impl Planner<'_> {
             return Err(SteerReason::Held { coordinate: self.model.coordinate_names()[c].clone() });
         }
         let open: Vec<usize> = (0..gap.len()).filter(|&c| motions[c] != Motion::Never).collect();
-        let all = [strokes::single(&mut self.model), strokes::pairs(&mut self.model)].concat();
+        let slow = strokes::slow_accelerations(&mut self.model);
+        let all = [strokes::single(&self.model, &slow), strokes::pairs(&self.model, &slow)].concat();
         let tried = all.len();
         let mut found: Vec<(Loop, Vec<f64>)> = Vec::new();
         for stroke in all {
@@ -105,11 +106,10 @@ impl Planner<'_> {
                 found.push((stroke, change));
             }
         }
-        let size = |c: usize| found.iter().map(|(_, d)| d[c].abs()).fold(0.0, f64::max);
-        self.sizes = (0..gap.len()).map(size).collect();
+        let sizes = self::sizes(&found, gap.len());
         let of = |found: &[(Loop, Vec<f64>)]| {
             let changes: Vec<&[f64]> = found.iter().map(|(_, d)| d.as_slice()).collect();
-            spanned(&changes, &self.sizes, &open)
+            spanned(&changes, &sizes, &open)
         };
         let Spanned { moving, directions, margin: whole } = of(&found);
         let missing = (0..gap.len()).any(|c| gap[c].abs() > ROUNDING && !moving.contains(&c));
@@ -127,6 +127,7 @@ impl Planner<'_> {
             let rest = of(&fewer);
             if rest.moving == moving && rest.margin >= KEPT_MARGIN * whole { found = fewer } else { k += 1 }
         }
+        self.sizes = self::sizes(&found, gap.len());
         self.loops = found.into_iter().map(|(stroke, _)| stroke).collect();
         Ok(())
     }
@@ -135,7 +136,10 @@ impl Planner<'_> {
     fn longest(&mut self, from: &[f64]) -> Option<Vec<(f64, Displaced)>> {
         let mut list = Vec::new();
         for stroke in &self.loops {
-            let runs = LONGEST.iter().find_map(|&s| Some((s, self.plant.displaced(&self.model, from, stroke, s)?)));
+            let runs = LONGEST.iter().find_map(|&s| {
+                let run = self.plant.displaced(&self.model, from, stroke, s)?;
+                decide::is_displaced(&run.change, from).then_some((s, run))
+            });
             list.push(runs?);
         }
         Some(list)
@@ -159,26 +163,23 @@ impl Planner<'_> {
             let (scales, full): (Vec<f64>, Vec<Vec<f64>>) =
                 runs.iter().map(|(scale, run)| (*scale, run.change.clone())).unzip();
             let gap: Vec<f64> = end.iter().zip(&here).map(|(b, a)| b - a).collect();
-            if let Some(parts) = self.parts(&full, &gap) {
+            if let Some(parts) = self.combined(&full, &gap, [SHORTEST, 1.0], 0.5 * (1.0 + SHORTEST)) {
                 return self.meet(&here, &end, &full, &scales, &parts);
             }
-            let left = |d: &[f64]| -> f64 {
-                let rest: Vec<f64> = gap.iter().zip(d).map(|(g, d)| g - d).collect();
-                self.scaled(&rest).iter().map(|x| x * x).sum()
-            };
-            let nearest = (0..full.len()).min_by(|&a, &b| left(&full[a]).total_cmp(&left(&full[b])));
-            let next = nearest.filter(|&k| left(&full[k]) < left(&vec![0.0; gap.len()])).ok_or(none)?;
+            // How often each loop is run if displacements stay as they are; the one that is needed most is next.
+            let often = self.combined(&full, &gap, [0.0, MAX_LOOPS as f64], 0.0).ok_or(none.clone())?;
+            let next = (0..often.len()).max_by(|&a, &b| often[a].total_cmp(&often[b])).ok_or(none)?;
             here.iter_mut().zip(&full[next]).for_each(|(q, d)| *q += d);
             self.pieces.extend(runs.into_iter().nth(next).map(|(_, run)| run.signals));
         }
         Err(SteerReason::EndError { error: f64::INFINITY })
     }
 
-    /// Parts of the full displacements, not too small ones, that add up to a gap; `None` if there are none.
-    fn parts(&self, full: &[Vec<f64>], gap: &[f64]) -> Option<Vec<f64>> {
+    /// Multiples of the full displacements, within limits, that add up to a gap; `None` if there are none.
+    fn combined(&self, full: &[Vec<f64>], gap: &[f64], limits: [f64; 2], start: f64) -> Option<Vec<f64>> {
         let (columns, wanted): (Vec<Vec<f64>>, _) = (full.iter().map(|d| self.scaled(d)).collect(), self.scaled(gap));
-        let mut parts = Parts { columns, wanted, limits: vec![[SHORTEST, 1.0]; full.len()] };
-        let start = DVector::from_element(full.len(), 0.5 * (1.0 + SHORTEST));
+        let mut parts = Parts { columns, wanted, limits: vec![limits; full.len()] };
+        let start = DVector::from_element(full.len(), start);
         let settings = Settings { iterations: 200, enough: 1e-9, ..Settings::default() };
         let found = minimize(&mut parts, &start, &settings)?;
         (found.residual.amax() <= 1e-6).then(|| found.at.iter().copied().collect())
@@ -237,6 +238,11 @@ impl Planner<'_> {
         values.push(rest_values(&self.model));
         Ok(Signals { times, values, hold: Hold::Previous })
     }
+}
+
+/// The largest displacement of each coordinate.
+fn sizes(found: &[(Loop, Vec<f64>)], count: usize) -> Vec<f64> {
+    (0..count).map(|c| found.iter().map(|(_, d)| d[c].abs()).fold(0.0, f64::max)).collect()
 }
 
 fn scaled(difference: &[f64], sizes: &[f64]) -> Vec<f64> {

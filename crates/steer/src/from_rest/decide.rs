@@ -83,11 +83,12 @@ pub(crate) fn decided(
     let mut strokes = Vec::new();
     let (mut tried, mut stopped) = (0, false);
     let open: Vec<usize> = (0..held.motions.len()).filter(|&c| held.motions[c] != Motion::Never).collect();
+    let slow = if open.is_empty() { Vec::new() } else { strokes::slow_accelerations(model) };
     for make in [strokes::single, strokes::pairs] {
         if open.is_empty() || stopped || depth == Depth::Answers && is_spanned(&strokes, &open) {
             break;
         }
-        for stroke in make(model) {
+        for stroke in make(model, &slow) {
             if limit.is_over() {
                 stopped = true;
                 break;
@@ -126,9 +127,14 @@ fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, depth: Dept
     if !is_displaced(&full.change, &at) {
         return None;
     }
-    let inputs = whole.closed.spans(model);
-    let held = Test::new(model, &inputs, Where::Near).run();
-    let mut moved = held.motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
+    let motions = if stroke.moved.len() == 1 {
+        let inputs = whole.closed.spans(model);
+        Test::new(model, &inputs, Where::Near).run().motions
+    } else {
+        // Two inputs move more than one coordinate, or one without friction, whose direction no cone tells.
+        vec![Motion::Open; full.change.len()]
+    };
+    let mut moved = motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
     let proven = match (moved.next(), moved.next()) {
         (Some((c, Motion::OnlyUp)), None) if full.change[c] > ROUNDING => Some((c, 1.0)),
         (Some((c, Motion::OnlyDown)), None) if full.change[c] < -ROUNDING => Some((c, -1.0)),
