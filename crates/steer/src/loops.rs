@@ -6,9 +6,10 @@ use bracketry_symbolic::Rational;
 use bracketry_system::Point;
 use nalgebra::DVector;
 
-use crate::from_rest::decide::{self, LEAST_MARGIN, Spanned, spanned};
+use crate::from_rest::decide;
 use crate::from_rest::displacement::{Displaced, Plant, at_rest};
 use crate::from_rest::model::RestModel;
+use crate::from_rest::span::{LEAST_MARGIN, Spanned, fewest, sizes, spanned};
 use crate::from_rest::strokes::{self, Loop, rest_values};
 use crate::from_rest::{FromRestReason, Motion};
 use crate::problem::{Outcome, Planned, Problem};
@@ -24,8 +25,6 @@ const SHORTEST_SCALE: f64 = 0.01;
 const LONGEST: [f64; 8] = [1.0, 0.99, 0.95, 0.9, 0.7, 0.5, 0.35, 0.25];
 /// Bisections of the duration of a loop with a given displacement.
 const BISECTIONS: usize = 30;
-/// Loops are left out as long as this part of the margin stays.
-const KEPT_MARGIN: f64 = 0.7;
 /// A difference of a state from rest, and of the end from what was asked for, that is none.
 const ROUNDING: f64 = 1e-12;
 
@@ -106,29 +105,21 @@ impl Planner<'_> {
                 found.push((stroke, change));
             }
         }
-        let sizes = self::sizes(&found, gap.len());
-        let of = |found: &[(Loop, Vec<f64>)]| {
-            let changes: Vec<&[f64]> = found.iter().map(|(_, d)| d.as_slice()).collect();
-            spanned(&changes, &sizes, &open)
-        };
-        let Spanned { moving, directions, margin: whole } = of(&found);
+        // Loops of several inputs are left out first, then long ones.
+        found.sort_by(|(a, _), (b, _)| a.moved.len().cmp(&b.moved.len()).then(a.duration().total_cmp(&b.duration())));
+        let changes: Vec<&[f64]> = found.iter().map(|(_, d)| d.as_slice()).collect();
+        let units = sizes(&changes, gap.len());
+        let Spanned { moving, directions, margin } = spanned(&changes, &units, &open);
         let missing = (0..gap.len()).any(|c| gap[c].abs() > ROUNDING && !moving.contains(&c));
-        if missing || whole < LEAST_MARGIN {
+        if missing || margin < LEAST_MARGIN {
             return Err(SteerReason::FromRest(FromRestReason::Loops { tried }));
         }
-        let mut used = directions.iter().map(|d| d.iter().any(|x| *x != 0.0));
-        found.retain(|_| used.next().unwrap_or(false));
-        // Loops of several inputs go first, then long ones.
-        found.sort_by(|(a, _), (b, _)| b.moved.len().cmp(&a.moved.len()).then(b.duration().total_cmp(&a.duration())));
-        let mut k = 0;
-        while k < found.len() {
-            let mut fewer = found.clone();
-            fewer.remove(k);
-            let rest = of(&fewer);
-            if rest.moving == moving && rest.margin >= KEPT_MARGIN * whole { found = fewer } else { k += 1 }
-        }
-        self.sizes = self::sizes(&found, gap.len());
-        self.loops = found.into_iter().map(|(stroke, _)| stroke).collect();
+        let alone: Vec<usize> = (0..found.len()).filter(|&k| directions[k].iter().any(|x| *x != 0.0)).collect();
+        let list: Vec<&[f64]> = alone.iter().map(|&k| changes[k]).collect();
+        let used: Vec<usize> = fewest(&list, &units, &moving).into_iter().map(|k| alone[k]).collect();
+        let list: Vec<&[f64]> = used.iter().map(|&k| changes[k]).collect();
+        self.sizes = sizes(&list, gap.len());
+        self.loops = used.iter().map(|&k| found[k].0.clone()).collect();
         Ok(())
     }
 
@@ -238,11 +229,6 @@ impl Planner<'_> {
         values.push(rest_values(&self.model));
         Ok(Signals { times, values, hold: Hold::Previous })
     }
-}
-
-/// The largest displacement of each coordinate.
-fn sizes(found: &[(Loop, Vec<f64>)], count: usize) -> Vec<f64> {
-    (0..count).map(|c| found.iter().map(|(_, d)| d[c].abs()).fold(0.0, f64::max)).collect()
 }
 
 fn scaled(difference: &[f64], sizes: &[f64]) -> Vec<f64> {

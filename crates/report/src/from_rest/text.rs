@@ -1,7 +1,7 @@
 //! The text of motion from rest to rest.
 
-use bracketry_steer::from_rest::{Answer, Cone, FromRest, Holds, Motion, Proof, Shape, Stroke};
-use bracketry_system::readable;
+use bracketry_steer::from_rest::{Answer, Cone, FromRest, Grid, GridPoint, Holds, Motion, Proof, Shape, Stroke};
+use bracketry_system::{counted, readable};
 
 /// What friction balances, as an inequality.
 pub(super) fn cone_text(c: &Cone) -> String {
@@ -126,5 +126,40 @@ pub fn from_rest_text(found: &FromRest) -> String {
             names.join(", ")
         ));
     }
+    if let Some(grid) = &found.grid {
+        lines.extend(grid_lines(found, grid));
+    }
     lines.join("\n") + "\n"
+}
+
+/// How far the margin carries.
+fn grid_lines(found: &FromRest, grid: &Grid) -> Vec<String> {
+    let least = |of: fn(&GridPoint) -> f64| grid.points.iter().map(of).fold(f64::INFINITY, f64::min);
+    let most = |of: fn(&GridPoint) -> f64| grid.points.iter().map(of).fold(0.0, f64::max);
+    let reach = least(|p| p.reach);
+    let mut line = format!(
+        "the margin carries: {} loops have the margin {} or more at {}; directions change by {} or less for shorter loops",
+        grid.loops.len(),
+        readable(least(|p| p.margin)),
+        counted(grid.points.len(), "point", "points"),
+        readable(most(|p| p.variation))
+    );
+    if reach.is_finite() {
+        let within =
+            found.moving.iter().map(|&c| format!("{} ± {}", found.coordinates[c].name, short(reach * found.sizes[c])));
+        line = format!("{line}, and stay positively spanning within {}", within.collect::<Vec<_>>().join(", "));
+    } else {
+        line += ", and do not change with the place";
+    }
+    let mut lines = vec![line];
+    if grid.points.len() > 1 {
+        let covered = if grid.is_covered() { "covers" } else { "does not cover" };
+        lines.push(format!("  this {covered} the bounds of the coordinates between the points of the grid"));
+    }
+    lines
+}
+
+/// Three significant digits.
+pub(super) fn short(x: f64) -> String {
+    readable(format!("{x:.2e}").parse().unwrap_or(x))
 }
