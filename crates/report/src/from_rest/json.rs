@@ -26,6 +26,7 @@ pub fn from_rest_json(found: &FromRest) -> Value {
         "sizes": found.sizes,
         "directions": found.directions,
         "margin": found.margin,
+        "return": found.back,
         "grid": found.grid.as_ref().map(|grid| json!({
             "loops": grid.loops,
             "points": grid.points,

@@ -129,6 +129,16 @@ pub fn from_rest_text(found: &FromRest) -> String {
     if let Some(grid) = &found.grid {
         lines.extend(grid_lines(found, grid));
     }
+    if let Some(back) = &found.back {
+        lines.push(format!(
+            "return: {} loops lead back to the point within {:.0e}; their durations move the end with smallest singular value {}, \
+             so that to first order they reach a ball of radius {} in units of the largest displacements",
+            back.loops.len(),
+            back.error,
+            short(back.singular),
+            short(back.reach)
+        ));
+    }
     lines.join("\n") + "\n"
 }
 
@@ -144,7 +154,9 @@ fn grid_lines(found: &FromRest, grid: &Grid) -> Vec<String> {
         counted(grid.points.len(), "point", "points"),
         readable(most(|p| p.variation))
     );
-    if reach.is_finite() {
+    if reach == 0.0 {
+        line += ", more than the margin: the return below tells what is reached";
+    } else if reach.is_finite() {
         let within =
             found.moving.iter().map(|&c| format!("{} ± {}", found.coordinates[c].name, short(reach * found.sizes[c])));
         line = format!("{line}, and stay positively spanning within {}", within.collect::<Vec<_>>().join(", "));

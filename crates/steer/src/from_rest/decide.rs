@@ -9,10 +9,11 @@ use super::displacement::Plant;
 use super::error::FromRestError;
 use super::grid::{Family, grid};
 use super::held::{Held, Motion, Test, Where};
+use super::meeting::{Meeting, Return};
 use super::model::{Channel, RestModel};
 use super::reason::FromRestReason;
 use super::result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOptions, Proof, Stroke};
-use super::span::{ROUNDING, Spanned, sizes, spanned};
+use super::span::{ROUNDING, Spanned, is_displaced, sizes, spanned};
 use super::strokes::{self, Loop};
 
 /// Durations of loops, relative to the full ones, at which displacements are computed.
@@ -111,6 +112,15 @@ pub(crate) fn decided(
             shorter: &SHORTER,
         };
         found.grid = grid(&of, plant, || limit.is_over());
+        if let Some(grid) = &found.grid {
+            let used: Vec<Loop> = grid.loops.iter().map(|&k| loops[k].clone()).collect();
+            let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
+            let is_over = || limit.is_over();
+            let mut meeting = Meeting { model, plant, loops: &used, sizes: &found.sizes, is_over: &is_over };
+            let back = meeting.returned(&at, &found.moving);
+            found.back = back.map(|back| Return { loops: grid.loops.clone(), ..back });
+        }
+        found.withdraw_evidence(stopped);
     }
     found
 }
@@ -119,11 +129,6 @@ pub(crate) fn decided(
 pub(crate) fn global(model: &mut RestModel) -> Held {
     let inputs: Vec<Vec<Span>> = model.channels.iter().map(|c| c.spans.clone()).collect();
     Test::new(model, &inputs, Where::Anywhere).run()
-}
-
-/// Whether a change of coordinates is more than rounding of the simulation.
-pub(crate) fn is_displaced(change: &[f64], from: &[f64]) -> bool {
-    change.iter().zip(from).any(|(d, q)| d.abs() > ROUNDING * q.abs().max(1.0))
 }
 
 /// What a loop does; `None` if it moves nothing, or does not end at rest.
@@ -207,6 +212,7 @@ fn answered(name: &str, model: &RestModel, held: Held, strokes: Vec<Stroke>, tri
         directions,
         margin,
         grid: None,
+        back: None,
     }
 }
 
@@ -241,6 +247,21 @@ fn bounds(model: &RestModel) -> Vec<Bound> {
 }
 
 impl FromRest {
+    /// Displacements of full loops alone are no evidence: they need a margin that stays for shorter loops, or a return.
+    fn withdraw_evidence(&mut self, stopped: bool) {
+        let carries = self.grid.as_ref().is_some_and(|grid| grid.points.iter().all(|p| p.reach > 0.0));
+        if carries || self.back.is_some() {
+            return;
+        }
+        let evidence = Answer::Yes { proof: Proof::Evidence };
+        for answer in self.coordinates.iter_mut().map(|c| &mut c.answer).chain([&mut self.answer]) {
+            if *answer == evidence {
+                *answer = Answer::Unknown;
+                self.reason = Some(if stopped { FromRestReason::Stopped } else { FromRestReason::NoReturn });
+            }
+        }
+    }
+
     fn without_answer(model: &str, reason: FromRestReason) -> Self {
         FromRest {
             model: model.to_owned(),
@@ -255,6 +276,7 @@ impl FromRest {
             directions: Vec::new(),
             margin: 0.0,
             grid: None,
+            back: None,
         }
     }
 }

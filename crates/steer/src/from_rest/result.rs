@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::bounds::Bound;
 use super::grid::Grid;
 use super::held::{Cone, Motion};
+use super::meeting::Return;
 use super::reason::FromRestReason;
 use super::strokes::Shape;
 use crate::signals::Signals;
@@ -123,4 +124,6 @@ pub struct FromRest {
     pub margin: f64,
     /// How far the margin carries, over the bounds of the coordinates; `None` without loops, or where this was not found in time.
     pub grid: Option<Grid>,
+    /// Loops that return to the point, and how their durations move the end; `None` if there are none.
+    pub back: Option<Return>,
 }

@@ -72,3 +72,8 @@ pub(crate) fn direction(change: &[f64], sizes: &[f64], moving: &[usize]) -> Vec<
     let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
     scaled.iter().map(|x| if length > 0.0 { x / length } else { 0.0 }).collect()
 }
+
+/// Whether a change of coordinates is more than rounding of the simulation.
+pub(crate) fn is_displaced(change: &[f64], from: &[f64]) -> bool {
+    change.iter().zip(from).any(|(d, q)| d.abs() > ROUNDING * q.abs().max(1.0))
+}
