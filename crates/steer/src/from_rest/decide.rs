@@ -6,6 +6,7 @@ use bracketry_system::System;
 
 use super::bounds::{Bound, Span, derivative_name};
 use super::displacement::Plant;
+use super::driven;
 use super::error::FromRestError;
 use super::grid::{Family, grid};
 use super::held::{Held, Motion, Test, Where};
@@ -144,18 +145,17 @@ fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, depth: Dept
     if !is_displaced(&full.change, &at) {
         return None;
     }
-    let motions = if stroke.moved.len() == 1 {
+    let proven = if stroke.moved.len() == 1 {
         let inputs = whole.closed.spans(model);
-        Test::new(model, &inputs, Where::Near).run().motions
+        let motions = Test::new(model, &inputs, Where::Near).run().motions;
+        let mut moved = motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
+        match (moved.next(), moved.next()) {
+            (Some((c, Motion::OnlyUp)), None) if full.change[c] > ROUNDING => Some((c, 1.0)),
+            (Some((c, Motion::OnlyDown)), None) if full.change[c] < -ROUNDING => Some((c, -1.0)),
+            _ => None,
+        }
     } else {
-        // Two inputs move more than one coordinate, or one without friction, whose direction no cone tells.
-        vec![Motion::Open; full.change.len()]
-    };
-    let mut moved = motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
-    let proven = match (moved.next(), moved.next()) {
-        (Some((c, Motion::OnlyUp)), None) if full.change[c] > ROUNDING => Some((c, 1.0)),
-        (Some((c, Motion::OnlyDown)), None) if full.change[c] < -ROUNDING => Some((c, -1.0)),
-        _ => None,
+        driven::proven(model, &whole.closed, &full.change)
     };
     Some(Stroke {
         inputs: stroke.moved.iter().map(|&j| model.channels[j].name.clone()).collect(),

@@ -18,6 +18,7 @@
 mod bounds;
 pub(crate) mod decide;
 pub(crate) mod displacement;
+mod driven;
 mod error;
 mod grid;
 mod held;
@@ -27,6 +28,7 @@ pub(crate) mod meeting;
 pub(crate) mod model;
 mod reason;
 mod result;
+mod sign;
 pub(crate) mod span;
 pub(crate) mod strokes;
 
@@ -34,10 +36,11 @@ pub use bounds::Bound;
 pub use decide::from_rest;
 pub use error::FromRestError;
 pub use grid::{Grid, GridPoint};
-pub use held::{Cone, Holds, Motion};
+pub use held::{Cone, Motion};
 pub use map::{CellAnswers, FromRestMap, Threshold, from_rest_map};
 pub use margin::margin;
 pub use meeting::Return;
 pub use reason::FromRestReason;
 pub use result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOptions, Proof, Stroke};
+pub use sign::Holds;
 pub use strokes::Shape;
