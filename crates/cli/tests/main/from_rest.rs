@@ -97,3 +97,31 @@ fn loops_steer_and_replay_from_rest_to_rest() {
         text(&o.stdout)
     );
 }
+
+/// At rest under dry friction, no small input moves anything: the derivative of the end by the inputs vanishes, and a controller on the
+/// exact flow that is to return the table stays where it is. From loops, the mass reaches its target.
+#[test]
+fn a_controller_at_rest_starts_from_loops() {
+    let out = scratch("loops_as_guess").join("out");
+    let table = model("shaken_table.toml");
+    let folder = out.to_str().unwrap();
+    let bounds = ["--bounds", "der(X,2)=-5..5", "--duration", "4", "--out", folder];
+    let o = bracketry(&[&["steer", &table, "--to", "x=0.02", "--method", "loops"][..], &bounds].concat());
+    assert_eq!(code(&o), 0, "{}", text(&o.stderr));
+    let problem = |guess: &str| {
+        format!(
+            "model = 'model.toml'\nhorizon = {{ steps = 80, dt = 0.05 }}\ncost = {{ stage = '1e-4*Xdd^2' }}\n{guess}\
+             constraints = {{ Xdd = {{ min = -5, max = 5 }} }}\ntarget = {{ x = 0.02, v = 0, X = 0, Xd = 0 }}\n\
+             solve = {{ method = 'stick-slip' }}\nrun = {{ steps = 80 }}\n"
+        )
+    };
+    let end = |name: &str, guess: &str| {
+        let path = file(&out, name, &problem(guess));
+        let o = bracketry(&["control", &path, "--json"]);
+        let result: serde_json::Value = serde_json::from_slice(&o.stdout).unwrap();
+        result["x_final"]["x"].as_f64().unwrap()
+    };
+    assert_eq!(end("plain.toml", ""), 0.0);
+    let guided = end("guided.toml", "initial_guess = { file = 'inputs.csv', hold = 'previous' }\n");
+    assert!((guided - 0.02).abs() < 1e-6, "{guided}");
+}
