@@ -25,10 +25,11 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
                 format!("{inputs} go off and back together, with accelerations {} and {}", readable(*a), readable(*b));
             if *twice { format!("{both}, and again with the opposite sign of the second") } else { both }
         }
-        Shape::Carried { peak, fast, slow } => {
+        Shape::Carried { peak, fast, slow, shaken } => {
+            let there = if *shaken { ", shakes a little" } else { "" };
             let [first, second] = [0, 1].map(|k| s.inputs.get(k).map_or("", String::as_str));
             format!(
-                "{second} goes off by {}, {first} accelerates there at {}, and comes back within {}",
+                "{second} goes off by {}{there}, {first} accelerates there at {}, and comes back within {}",
                 readable(*peak),
                 readable(*fast),
                 readable(*slow)

@@ -51,6 +51,8 @@ pub enum Shape {
         fast: f64,
         /// Size of its acceleration on the way back.
         slow: f64,
+        /// Whether the second input is shaken a little meanwhile.
+        shaken: bool,
     },
     /// Two inputs go off and back, together; a second time, with the opposite sign of the second input, if a velocity has no
     /// friction of its own.
@@ -205,8 +207,9 @@ pub(crate) fn pairs(model: &RestModel, slow: &[Option<f64>]) -> Vec<Loop> {
             let (first, second) = (limit(&model.channels[i]), CLOSING * limit(&model.channels[j]));
             for a in [Some(first), slow[i]].into_iter().flatten().filter(|a| *a > 0.0 && second > 0.0) {
                 for sign in [1.0, -1.0] {
-                    list.extend(carried(model, [i, j], sign * a, slow[i], sign > 0.0));
-                    list.extend(carried(model, [i, j], sign * a, slow[i], sign < 0.0));
+                    for (up, shaken) in [(true, false), (true, true), (false, false), (false, true)] {
+                        list.extend(carried(model, [i, j], sign * a, slow[i], (up, shaken)));
+                    }
                     list.push(together(model, [i, j], [a, sign * second], driven.first().copied()));
                 }
             }
@@ -216,16 +219,23 @@ pub(crate) fn pairs(model: &RestModel, slow: &[Option<f64>]) -> Vec<Loop> {
 }
 
 /// Input j goes off, input i accelerates there, and comes back when j is back.
-fn carried(model: &RestModel, [i, j]: [usize; 2], fast: f64, slow: Option<f64>, up: bool) -> Option<Loop> {
+fn carried(
+    model: &RestModel,
+    [i, j]: [usize; 2],
+    fast: f64,
+    slow: Option<f64>,
+    (up, shaken): (bool, bool),
+) -> Option<Loop> {
     let slow = slow?;
-    let under = lift(model, j, up, false)?;
+    let under = lift(model, j, up, shaken)?;
     let Shape::Lift { peak, .. } = under.shape else { return None };
     let mut pieces = under.pieces;
-    // The piece in the middle is the one in which j stays.
-    let middle = pieces.len() / 2;
-    let t = pieces[middle].1;
-    pieces[middle].0[i] += fast;
-    let after: f64 = pieces[middle + 1..].iter().map(|p| p.1).sum();
+    // The pieces in the middle are those in which j stays, or is shaken.
+    let there = if shaken { 3 * SHAKES } else { 1 };
+    let first = (pieces.len() - there) / 2;
+    let t: f64 = pieces[first..first + there].iter().map(|p| p.1).sum();
+    pieces[first..first + there].iter_mut().for_each(|(row, _)| row[i] += fast);
+    let after: f64 = pieces[first + there..].iter().map(|p| p.1).sum();
     let (speed, brake) = (fast * t, fast.abs() * t / slow);
     let far = (0.5 * fast * t * t + speed * after + 0.5 * speed * brake).abs();
     let back = (far / slow).sqrt();
@@ -239,7 +249,7 @@ fn carried(model: &RestModel, [i, j]: [usize; 2], fast: f64, slow: Option<f64>, 
     let fits = speed.abs() <= room(channel, 1, fast > 0.0)
         && far <= room(channel, 0, fast > 0.0)
         && slow * back <= room(channel, 1, fast < 0.0);
-    let shape = Shape::Carried { peak, fast, slow };
+    let shape = Shape::Carried { peak, fast, slow, shaken };
     fits.then(|| Loop { shape, moved: vec![i, j], pieces, closing: None })
 }
 

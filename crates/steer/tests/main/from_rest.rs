@@ -129,6 +129,20 @@ fn the_cart_stays_within_the_cone_of_the_tilt() {
     assert_eq!(wide.answer, PROVEN);
 }
 
+/// A force u pulls a mass on a spring: at x, friction holds if |u − k x| ≤ F for all u; with bounds of x, if this is so everywhere
+/// within them.
+#[test]
+fn a_force_moves_the_mass_on_a_spring() {
+    let mass = model("spring_mass_friction");
+    assert_eq!(within(&mass, "u=-0.2..0.2").answer, Answer::No);
+    assert_eq!(within(&mass, "u=-0.3..0.3").answer, PROVEN);
+    // k x = 0.08 at x = 0.1.
+    assert_eq!(motions(&within(&mass, "u=-0.12..0.12,x=-0.1..0.1")), [Motion::Never]);
+    assert_ne!(motions(&within(&mass, "u=-0.121..0.12,x=-0.1..0.1")), [Motion::Never]);
+    // At x = 0.3, the spring alone pulls with 0.24: no rest state.
+    assert_eq!(within(&at(mass, "x=0.3"), "u=-1..1").reason, Some(FromRestReason::NotAtRest));
+}
+
 /// On the published plate, yaw has no friction: it turns within the friction cone, where x and y never change.
 #[test]
 fn the_published_plate_turns_what_it_cannot_shift() {
@@ -199,6 +213,31 @@ fn bounds_that_do_not_fit_are_refused() {
     assert!(error("der(X,2)=1..2").contains("exclude its value at rest, 0"));
     for text in ["der(X,2)", "der(X,2)=1", "der(X,2)=2..1", "der(X,2)=a..1"] {
         assert!(matches!(Bound::list(text), Err(FromRestError::Bound { .. })), "{text}");
+    }
+}
+
+/// Along the acceleration, "no" ends at μ g, and "yes" starts there up to the room that loops leave to their bounds.
+#[test]
+fn the_threshold_of_a_map_is_the_known_one() {
+    let mut numbers = Numbers(5);
+    for _ in 0..5 {
+        let mut table = model("shaken_table");
+        let (mu, g) = (thousandths(0.5 + 0.4 * numbers.next()), thousandths(10.0 + 5.0 * numbers.next()));
+        assert!(table.set_parameter("mu", mu.clone()) && table.set_parameter("g", g.clone()));
+        let friction = (mu * g).to_f64().value();
+        let axes = [Bound::new("der(X,2)", 0.5 * friction, 2.0 * friction), Bound::new("X", 0.01, 1.0)];
+        let map = from_rest_map(&table, &axes, 4, &FromRestOptions::default()).unwrap();
+        assert!(map.is_complete());
+        let threshold = &map.thresholds[0];
+        assert!((threshold.no_up_to - friction).abs() < 1e-6 * friction, "{threshold:?} {friction}");
+        let yes = threshold.yes_from.unwrap();
+        assert!(yes > friction && yes < 1.002 * friction, "{threshold:?} {friction}");
+        for (j, row) in map.cells.iter().enumerate() {
+            for (i, cell) in row.iter().enumerate() {
+                let expected = if map.x[i] > friction { PROVEN } else { Answer::No };
+                assert_eq!(cell.as_ref().unwrap()[0], expected, "{i} {j}");
+            }
+        }
     }
 }
 
