@@ -15,6 +15,7 @@ mod error;
 mod export;
 mod figures;
 mod forms;
+mod from_rest;
 mod interrupt;
 mod live_controller;
 mod model;
@@ -53,6 +54,8 @@ mod _native {
     use super::figures::Figures;
     #[pymodule_export]
     use super::forms::transform;
+    #[pymodule_export]
+    use super::from_rest::{from_rest, from_rest_map};
     #[pymodule_export]
     use super::live_controller::{LiveController, Step};
     #[pymodule_export]

@@ -5,6 +5,7 @@ use std::time::Duration;
 use bracketry::report::steering::{
     steering_figure, steering_json, steering_path, steering_scenario, steering_text, steering_trajectory,
 };
+use bracketry::steer::from_rest::Bound as Interval;
 use bracketry::steer::{SteerMethod, SteerOptions, own_inputs};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -27,18 +28,19 @@ fn method_of(name: &str) -> Result<Option<SteerMethod>, Failure> {
         "loops" => Ok(Some(SteerMethod::Loops)),
         "shooting" => Ok(Some(SteerMethod::Shooting)),
         other => Err(Failure::new(format!(
-            "method is \"{other}\"; it can be \"auto\", \"chained\", \"nilpotent\", \"flat\" or \"shooting\""
+            "method is \"{other}\"; it can be \"auto\", \"chained\", \"nilpotent\", \"flat\", \"loops\" or \"shooting\""
         ))),
     }
 }
 
 /// Inputs that move a model from one state to another, and the motion.
 #[pyfunction]
-#[pyo3(signature = (model, ends, duration, method, time_limit, seed))]
+#[pyo3(signature = (model, ends, bounds, duration, method, time_limit, seed))]
 pub(crate) fn steer<'py>(
     py: Python<'py>,
     model: &Bound<'py, Model>,
     ends: Ends,
+    bounds: String,
     duration: Option<f64>,
     method: &str,
     time_limit: f64,
@@ -52,6 +54,7 @@ pub(crate) fn steer<'py>(
     let (answer, table, scenario, steered) = watched(py, move |stop| {
         let mut system = own_inputs(&given)?;
         let options = SteerOptions {
+            bounds: if bounds.is_empty() { Vec::new() } else { Interval::list(&bounds)? },
             duration,
             method,
             time_limit: Some(Duration::from_secs_f64(time_limit.min(1e6))),
@@ -59,7 +62,7 @@ pub(crate) fn steer<'py>(
             stop: stop.clone(),
             ..SteerOptions::named(&mut system, ends.0.as_deref(), &ends.1)?
         };
-        let found = bracketry::steer::steer(&system, &options)?;
+        let found = bracketry::steer::steer(&given, &options)?;
         let mut figures = Figures::default();
         if let (Some(_), Some(_)) = (&found.motion, &found.signals) {
             let drawn = found.clone();

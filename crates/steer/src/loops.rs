@@ -1,14 +1,14 @@
 //! Steering from rest to rest: full loops until the end is near, then shorter ones that meet it.
 
-use bracketry_numerics::least_squares::{Damping, Settings, minimize};
 use bracketry_sim::Hold;
 use bracketry_symbolic::Rational;
 use bracketry_system::Point;
-use nalgebra::DVector;
 
-use crate::from_rest::decide::{self, LEAST_MARGIN, Spanned, spanned};
-use crate::from_rest::displacement::{Displaced, Plant, at_rest};
+use crate::from_rest::decide;
+use crate::from_rest::displacement::{Plant, at_rest};
+use crate::from_rest::meeting::Meeting;
 use crate::from_rest::model::RestModel;
+use crate::from_rest::span::{LEAST_MARGIN, Spanned, fewest, is_displaced, sizes, spanned};
 use crate::from_rest::strokes::{self, Loop, rest_values};
 use crate::from_rest::{FromRestReason, Motion};
 use crate::problem::{Outcome, Planned, Problem};
@@ -17,15 +17,6 @@ use crate::steering::{Plan, SteerReason};
 
 /// Most full loops.
 const MAX_LOOPS: usize = 1000;
-/// The last loops are this part of the full ones, or more: shorter ones of some families move nothing.
-const SHORTEST: f64 = 0.2;
-const SHORTEST_SCALE: f64 = 0.01;
-/// Durations of the full loops, relative to the first ones: shorter where a loop cannot be closed.
-const LONGEST: [f64; 6] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.15];
-/// Bisections of the duration of a loop with a given displacement.
-const BISECTIONS: usize = 30;
-/// Loops are left out as long as this part of the margin stays.
-const KEPT_MARGIN: f64 = 0.7;
 /// A difference of a state from rest, and of the end from what was asked for, that is none.
 const ROUNDING: f64 = 1e-12;
 
@@ -93,7 +84,8 @@ impl Planner<'_> {
             return Err(SteerReason::Held { coordinate: self.model.coordinate_names()[c].clone() });
         }
         let open: Vec<usize> = (0..gap.len()).filter(|&c| motions[c] != Motion::Never).collect();
-        let all = [strokes::single(&mut self.model), strokes::pairs(&mut self.model)].concat();
+        let slow = strokes::slow_accelerations(&mut self.model);
+        let all = [strokes::single(&self.model, &slow), strokes::pairs(&self.model, &slow)].concat();
         let tried = all.len();
         let mut found: Vec<(Loop, Vec<f64>)> = Vec::new();
         for stroke in all {
@@ -101,121 +93,63 @@ impl Planner<'_> {
                 return Err(SteerReason::Stopped);
             }
             let moved = self.plant.displaced(&self.model, &start, &stroke, 1.0).map(|d| d.change);
-            if let Some(change) = moved.filter(|change| decide::is_displaced(change, &start)) {
+            if let Some(change) = moved.filter(|change| is_displaced(change, &start)) {
                 found.push((stroke, change));
             }
         }
-        let size = |c: usize| found.iter().map(|(_, d)| d[c].abs()).fold(0.0, f64::max);
-        self.sizes = (0..gap.len()).map(size).collect();
-        let of = |found: &[(Loop, Vec<f64>)]| {
-            let changes: Vec<&[f64]> = found.iter().map(|(_, d)| d.as_slice()).collect();
-            spanned(&changes, &self.sizes, &open)
-        };
-        let Spanned { moving, directions, margin: whole } = of(&found);
+        // Loops of several inputs are left out first, then long ones.
+        found.sort_by(|(a, _), (b, _)| a.moved.len().cmp(&b.moved.len()).then(a.duration().total_cmp(&b.duration())));
+        let changes: Vec<&[f64]> = found.iter().map(|(_, d)| d.as_slice()).collect();
+        let units = sizes(&changes, gap.len());
+        let Spanned { moving, directions, margin } = spanned(&changes, &units, &open);
         let missing = (0..gap.len()).any(|c| gap[c].abs() > ROUNDING && !moving.contains(&c));
-        if missing || whole < LEAST_MARGIN {
+        if missing || margin < LEAST_MARGIN {
             return Err(SteerReason::FromRest(FromRestReason::Loops { tried }));
         }
-        let mut used = directions.iter().map(|d| d.iter().any(|x| *x != 0.0));
-        found.retain(|_| used.next().unwrap_or(false));
-        // Loops of several inputs go first, then long ones.
-        found.sort_by(|(a, _), (b, _)| b.moved.len().cmp(&a.moved.len()).then(b.duration().total_cmp(&a.duration())));
-        let mut k = 0;
-        while k < found.len() {
-            let mut fewer = found.clone();
-            fewer.remove(k);
-            let rest = of(&fewer);
-            if rest.moving == moving && rest.margin >= KEPT_MARGIN * whole { found = fewer } else { k += 1 }
-        }
-        self.loops = found.into_iter().map(|(stroke, _)| stroke).collect();
+        let alone: Vec<usize> = (0..found.len()).filter(|&k| directions[k].iter().any(|x| *x != 0.0)).collect();
+        let list: Vec<&[f64]> = alone.iter().map(|&k| changes[k]).collect();
+        let used: Vec<usize> = fewest(&list, &units, &moving).into_iter().map(|k| alone[k]).collect();
+        let list: Vec<&[f64]> = used.iter().map(|&k| changes[k]).collect();
+        self.sizes = sizes(&list, gap.len());
+        self.loops = used.iter().map(|&k| found[k].0.clone()).collect();
         Ok(())
-    }
-
-    /// The longest loops that end at rest from a place, with their scales.
-    fn longest(&mut self, from: &[f64]) -> Option<Vec<(f64, Displaced)>> {
-        let mut list = Vec::new();
-        for stroke in &self.loops {
-            let runs = LONGEST.iter().find_map(|&s| Some((s, self.plant.displaced(&self.model, from, stroke, s)?)));
-            list.push(runs?);
-        }
-        Some(list)
-    }
-
-    /// A difference in units of the sizes.
-    fn scaled(&self, difference: &[f64]) -> Vec<f64> {
-        scaled(difference, &self.sizes)
     }
 
     /// Full loops toward the end until it is met by shorter ones.
     fn approach(&mut self) -> Outcome {
         let end = self.coordinates(&self.problem.options.to);
         let mut here = self.coordinates(&self.problem.options.from);
+        let problem = self.problem;
+        let is_over = || problem.is_over();
+        let mut meeting = Meeting {
+            model: &self.model,
+            plant: &mut self.plant,
+            loops: &self.loops,
+            sizes: &self.sizes,
+            is_over: &is_over,
+        };
+        let none = SteerReason::EndError { error: f64::INFINITY };
         for _ in 0..MAX_LOOPS {
-            if self.problem.is_over() {
+            if is_over() {
                 return Err(SteerReason::Stopped);
             }
-            let none = SteerReason::EndError { error: f64::INFINITY };
-            let runs = self.longest(&here).ok_or(none.clone())?;
-            let (scales, full): (Vec<f64>, Vec<Vec<f64>>) =
-                runs.iter().map(|(scale, run)| (*scale, run.change.clone())).unzip();
+            let longest = meeting.longest(&here).ok_or(none.clone())?;
             let gap: Vec<f64> = end.iter().zip(&here).map(|(b, a)| b - a).collect();
-            if let Some(parts) = self.parts(&full, &gap) {
-                return self.meet(&here, &end, &full, &scales, &parts);
+            if let Some(parts) = meeting.parts(&longest, &gap) {
+                let met = meeting.meet(&here, &end, &longest, &parts).ok_or(none)?;
+                self.pieces.extend(met.signals);
+                let plan = Plan::Loops { loops: self.pieces.len(), shapes: self.loops.len() };
+                return Ok(vec![Planned { signals: self.joined()?, plan }]);
             }
-            let left = |d: &[f64]| -> f64 {
-                let rest: Vec<f64> = gap.iter().zip(d).map(|(g, d)| g - d).collect();
-                self.scaled(&rest).iter().map(|x| x * x).sum()
-            };
-            let nearest = (0..full.len()).min_by(|&a, &b| left(&full[a]).total_cmp(&left(&full[b])));
-            let next = nearest.filter(|&k| left(&full[k]) < left(&vec![0.0; gap.len()])).ok_or(none)?;
-            here.iter_mut().zip(&full[next]).for_each(|(q, d)| *q += d);
-            self.pieces.extend(runs.into_iter().nth(next).map(|(_, run)| run.signals));
-        }
-        Err(SteerReason::EndError { error: f64::INFINITY })
-    }
-
-    /// Parts of the full displacements, not too small ones, that add up to a gap; `None` if there are none.
-    fn parts(&self, full: &[Vec<f64>], gap: &[f64]) -> Option<Vec<f64>> {
-        let (columns, wanted): (Vec<Vec<f64>>, _) = (full.iter().map(|d| self.scaled(d)).collect(), self.scaled(gap));
-        let mut parts = Parts { columns, wanted, limits: vec![[SHORTEST, 1.0]; full.len()] };
-        let start = DVector::from_element(full.len(), 0.5 * (1.0 + SHORTEST));
-        let settings = Settings { iterations: 200, enough: 1e-9, ..Settings::default() };
-        let found = minimize(&mut parts, &start, &settings)?;
-        (found.residual.amax() <= 1e-6).then(|| found.at.iter().copied().collect())
-    }
-
-    /// The last loops: durations whose displacements add up to the gap, first one by one, then together on the plant.
-    fn meet(&mut self, here: &[f64], end: &[f64], full: &[Vec<f64>], longest: &[f64], parts: &[f64]) -> Outcome {
-        let mut start = DVector::zeros(parts.len());
-        for k in 0..parts.len() {
-            let toward = self.scaled(&full[k]);
-            let sizes = self.sizes.clone();
-            let length = |d: &[f64]| -> f64 { scaled(d, &sizes).iter().zip(&toward).map(|(a, b)| a * b).sum() };
-            let whole = length(&full[k]);
-            let (mut low, mut high) = (0.0, longest[k]);
-            for _ in 0..BISECTIONS {
-                let middle = 0.5 * (low + high);
-                let stroke = self.loops[k].clone();
-                let reaches = self.plant.displaced(&self.model, here, &stroke, middle);
-                let part = reaches.map_or(0.0, |d| length(&d.change) / whole);
-                if part < parts[k] { low = middle } else { high = middle }
+            // How often each loop is run if displacements stay as they are; the one that is needed most is next.
+            let often = meeting.combined(&longest, &gap, [0.0, MAX_LOOPS as f64], 0.0).ok_or(none.clone())?;
+            let next = (0..often.len()).max_by(|&a, &b| often[a].total_cmp(&often[b])).unwrap_or(0);
+            for run in longest.runs.into_iter().skip(next).take(1) {
+                here.iter_mut().zip(&run.change).for_each(|(q, d)| *q += d);
+                self.pieces.push(run.signals);
             }
-            start[k] = high;
         }
-        let limits = longest.iter().map(|&s| [SHORTEST_SCALE * s, s]).collect();
-        let mut last = Last { planner: self, here, end, limits };
-        let settings = Settings {
-            damping: Damping { least: 1e-15, trials: 8, ..Damping::default() },
-            iterations: 30,
-            enough: 1e-11,
-            ..Settings::default()
-        };
-        let found = minimize(&mut last, &start, &settings).ok_or(SteerReason::EndError { error: f64::INFINITY })?;
-        let (_, run) = last.run(&found.at).ok_or(SteerReason::EndError { error: f64::INFINITY })?;
-        self.pieces.extend(run);
-        let loops = self.pieces.len();
-        let signals = self.joined()?;
-        Ok(vec![Planned { signals, plan: Plan::Loops { loops, shapes: self.loops.len() } }])
+        Err(none)
     }
 
     /// All loops, one after the other; the last value holds to the end of the duration that was asked for.
@@ -236,64 +170,5 @@ impl Planner<'_> {
         times.push(t);
         values.push(rest_values(&self.model));
         Ok(Signals { times, values, hold: Hold::Previous })
-    }
-}
-
-fn scaled(difference: &[f64], sizes: &[f64]) -> Vec<f64> {
-    difference.iter().zip(sizes).map(|(d, s)| if *s > 0.0 { d / s } else { 0.0 }).collect()
-}
-
-/// The linear problem of the parts.
-struct Parts {
-    columns: Vec<Vec<f64>>,
-    wanted: Vec<f64>,
-    limits: Vec<[f64; 2]>,
-}
-
-impl bracketry_numerics::least_squares::Problem for Parts {
-    fn residual(&mut self, at: &DVector<f64>) -> Option<DVector<f64>> {
-        let sum = |i: usize| self.columns.iter().zip(at.iter()).map(|(c, h)| c[i] * h).sum::<f64>();
-        Some(DVector::from_fn(self.wanted.len(), |i, _| sum(i) - self.wanted[i]))
-    }
-
-    fn limits(&self) -> &[[f64; 2]] {
-        &self.limits
-    }
-}
-
-/// What is left to the end as a function of the durations of the last loops.
-struct Last<'a, 'p> {
-    planner: &'a mut Planner<'p>,
-    here: &'a [f64],
-    end: &'a [f64],
-    limits: Vec<[f64; 2]>,
-}
-
-impl Last<'_, '_> {
-    /// The end of the loops, and their signals.
-    fn run(&mut self, scales: &DVector<f64>) -> Option<(Vec<f64>, Vec<Signals>)> {
-        let mut place = self.here.to_vec();
-        let mut list = Vec::new();
-        for (k, &scale) in scales.iter().enumerate() {
-            if self.planner.problem.is_over() {
-                return None;
-            }
-            let planner = &mut *self.planner;
-            let run = planner.plant.displaced(&planner.model, &place, &planner.loops[k], scale)?;
-            place.iter_mut().zip(&run.change).for_each(|(q, d)| *q += d);
-            list.push(run.signals);
-        }
-        Some((place, list))
-    }
-}
-
-impl bracketry_numerics::least_squares::Problem for Last<'_, '_> {
-    fn residual(&mut self, at: &DVector<f64>) -> Option<DVector<f64>> {
-        let (place, _) = self.run(at)?;
-        Some(DVector::from_fn(place.len(), |i, _| place[i] - self.end[i]))
-    }
-
-    fn limits(&self) -> &[[f64; 2]] {
-        &self.limits
     }
 }

@@ -13,6 +13,7 @@ mod diagnose;
 mod diagnose_real;
 mod documents;
 mod export;
+mod from_rest;
 mod front_door;
 mod getting_started;
 mod implicit_models;

@@ -18,6 +18,7 @@ from ._controller import Controller, Prediction
 from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, diagnose
 from ._export import Export
 from ._forms import Transformation, transform
+from ._from_rest import FromRest, FromRestMap, from_rest, from_rest_map
 from ._linear import Gain as LinearGain
 from ._linear import Linearization, Trim, linearize, trim
 from ._native import BracketryError, Step, __version__
@@ -44,6 +45,8 @@ __all__ = [
     "Event",
     "Export",
     "Figure",
+    "FromRest",
+    "FromRestMap",
     "Gain",
     "Identifiability",
     "LinearGain",
@@ -73,6 +76,8 @@ __all__ = [
     "check_certificate",
     "control",
     "diagnose",
+    "from_rest",
+    "from_rest_map",
     "identifiability",
     "linearize",
     "parameter_cases",

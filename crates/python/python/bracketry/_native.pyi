@@ -26,6 +26,8 @@ __all__ = [
     "control",
     "diagnose",
     "export",
+    "from_rest",
+    "from_rest_map",
     "identifiability",
     "identify",
     "linearize",
@@ -307,11 +309,21 @@ def parameter_map(model: Model, ranges: str, cells: int, conditions: int) -> _An
 def identifiability(
     model: Model, known_initial: list[str], unknown_inputs: list[str], global_: bool
 ) -> _Answer: ...
+def from_rest(model: Model, bounds: str, at: str | None, time_limit: float) -> _Answer: ...
+def from_rest_map(
+    model: Model, axes: str, bounds: str, at: str | None, cells: int, time_limit: float
+) -> _Answer: ...
 def linearize(model: Model, at: str | None, weights: list[list[float]], horizon: float | None) -> _Linearization: ...
 def transform(model: Model, to: str, at: str | None, outputs: Sequence[str], time_limit: float) -> _Transformation: ...
 def export(model: Model, language: str, parameters: Sequence[str], name: str | None) -> _Export: ...
 def steer(
-    model: Model, ends: tuple[str | None, str], duration: float | None, method: str, time_limit: float, seed: int
+    model: Model,
+    ends: tuple[str | None, str],
+    bounds: str,
+    duration: float | None,
+    method: str,
+    time_limit: float,
+    seed: int,
 ) -> _Steering: ...
 def simulate(
     model: Model,

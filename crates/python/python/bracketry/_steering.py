@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._from_rest import bounds_text
 from ._result import Result, parsed, result_of
 from ._system import System, model_of
 from ._text import expression, name_of
@@ -29,7 +30,7 @@ class Steering(Result):
     goal: dict[str, float] = field(repr=False)
     #: Largest difference of a state from the goal at the end of the simulated motion; `None` without one.
     end_error: float | None
-    #: "chained", "nilpotent", "flat" or "shooting"; `None` without a motion.
+    #: "chained", "nilpotent", "flat", "loops" or "shooting"; `None` without a motion.
     method: str | None = None
     #: What the method was: coordinates, brackets, flat outputs.
     plan: dict[str, Any] = field(repr=False, default_factory=dict)
@@ -67,14 +68,16 @@ def steer(
     goal: Mapping[Any, Any] | str,
     start: Mapping[Any, Any] | str | None = None,
     *,
+    bounds: Mapping[Any, tuple[Any, Any]] | str = "",
     duration: float | None = None,
-    method: Literal["auto", "chained", "nilpotent", "flat", "shooting"] = "auto",
+    method: Literal["auto", "chained", "nilpotent", "flat", "loops", "shooting"] = "auto",
     time_limit: float = 120.0,
     seed: int = 1,
 ) -> Steering:
     """Finds inputs that move the model from `start` (its point, if none is given) to `goal`.
 
-    States that are not named are 0. Whatever the method, the end error is that of a simulation of the model.
+    States that are not named are 0. Whatever the method, the end error is that of a simulation of the model. The method "loops" needs
+    `bounds` of inputs and of their derivatives, such as ``{"der(X,2)": (-4, 4)}``.
 
     Returns
     -------
@@ -86,7 +89,7 @@ def steer(
         For a name that the model does not have, or a value that cannot be read.
     """
     ends = (None if start is None else _point(start, "start"), _point(goal, "goal"))
-    answer = _native.steer(model_of(system), ends, duration, method, time_limit, seed)
+    answer = _native.steer(model_of(system), ends, bounds_text(bounds, "bounds"), duration, method, time_limit, seed)
     data = parsed(answer["json"])
     table = data.pop("inputs", None) or {"t": [], "hold": None, "columns": {}}
     header, rows = answer["trajectory"] or (["t"], [])

@@ -3,6 +3,8 @@
 use bracketry_plot::{Color, Dash, Drawing, Panel, PlotError, Series, XyChart};
 use bracketry_steer::from_rest::FromRest;
 
+use super::text::{short, stroke_name};
+
 /// Points of a circle.
 const POINTS: usize = 120;
 
@@ -29,7 +31,7 @@ fn line(found: &FromRest) -> Result<Drawing, PlotError> {
         points.push((0.0, 0.0));
         points.reverse();
         let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
-        panel = panel.series(Series::new(super::text::stroke_name(s), x, y).markers());
+        panel = panel.series(Series::new(stroke_name(s), x, y).markers());
     }
     XyChart::new("duration of the loop [s]", panel).title(format!("{}: from rest to rest", found.model)).draw()
 }
@@ -38,7 +40,7 @@ fn line(found: &FromRest) -> Result<Drawing, PlotError> {
 fn pair(found: &FromRest, i: usize, j: usize) -> Result<Drawing, PlotError> {
     let label = |k: usize| {
         let c = found.moving[k];
-        format!("{} / {}", found.coordinates[c].name, bracketry_system::readable(found.sizes[c]))
+        format!("{} / {}", found.coordinates[c].name, short(found.sizes[c]))
     };
     let mut panel = Panel::new(label(j));
     let circle = |r: f64| -> (Vec<f64>, Vec<f64>) {
@@ -46,9 +48,7 @@ fn pair(found: &FromRest, i: usize, j: usize) -> Result<Drawing, PlotError> {
         ((0..=POINTS).map(|k| r * angle(k).cos()).collect(), (0..=POINTS).map(|k| r * angle(k).sin()).collect())
     };
     let (x, y) = circle(found.margin);
-    panel = panel.series(
-        Series::new(format!("margin {}", bracketry_system::readable(found.margin)), x, y).color(Color::VERMILLION),
-    );
+    panel = panel.series(Series::new(format!("margin {}", short(found.margin)), x, y).color(Color::VERMILLION));
     let points: Vec<[f64; 2]> = found.directions.iter().map(|d| [d[i], d[j]]).collect();
     let outline = hull(&points);
     let (x, y): (Vec<f64>, Vec<f64>) = outline.iter().chain(outline.first()).map(|p| (p[0], p[1])).unzip();

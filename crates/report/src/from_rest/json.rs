@@ -26,6 +26,13 @@ pub fn from_rest_json(found: &FromRest) -> Value {
         "sizes": found.sizes,
         "directions": found.directions,
         "margin": found.margin,
+        "return": found.back,
+        "grid": found.grid.as_ref().map(|grid| json!({
+            "loops": grid.loops,
+            "points": grid.points,
+            "half_cell": grid.half_cell,
+            "covered": grid.is_covered(),
+        })),
     });
     if let (Some(object), Value::Object(answer)) = (out.as_object_mut(), json!(found.answer)) {
         object.extend(answer);

@@ -90,7 +90,9 @@ pub fn from_rest_map_figure(map: &FromRestMap) -> Result<Drawing, PlotError> {
         .cells(map.x.clone(), map.y.clone(), rows)
         .missing("not computed in time");
     for (k, n) in names.iter().enumerate() {
-        figure = figure.category(n.clone(), Color::series(k).mix(Color(255, 255, 255), 0.6));
+        let color =
+            if n.contains("unknown") { Color(224, 224, 224) } else { Color::series(k).mix(Color(255, 255, 255), 0.6) };
+        figure = figure.category(n.clone(), color);
     }
     figure.draw()
 }

@@ -1,7 +1,7 @@
 //! The text of motion from rest to rest.
 
-use bracketry_steer::from_rest::{Answer, Cone, FromRest, Holds, Motion, Proof, Shape, Stroke};
-use bracketry_system::readable;
+use bracketry_steer::from_rest::{Answer, Cone, FromRest, Grid, GridPoint, Holds, Motion, Proof, Shape, Stroke};
+use bracketry_system::{counted, readable};
 
 /// What friction balances, as an inequality.
 pub(super) fn cone_text(c: &Cone) -> String {
@@ -25,10 +25,11 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
                 format!("{inputs} go off and back together, with accelerations {} and {}", readable(*a), readable(*b));
             if *twice { format!("{both}, and again with the opposite sign of the second") } else { both }
         }
-        Shape::Carried { peak, fast, slow } => {
+        Shape::Carried { peak, fast, slow, shaken } => {
+            let there = if *shaken { ", shakes a little" } else { "" };
             let [first, second] = [0, 1].map(|k| s.inputs.get(k).map_or("", String::as_str));
             format!(
-                "{second} goes off by {}, {first} accelerates there at {}, and comes back within {}",
+                "{second} goes off by {}{there}, {first} accelerates there at {}, and comes back within {}",
                 readable(*peak),
                 readable(*fast),
                 readable(*slow)
@@ -126,5 +127,52 @@ pub fn from_rest_text(found: &FromRest) -> String {
             names.join(", ")
         ));
     }
+    if let Some(grid) = &found.grid {
+        lines.extend(grid_lines(found, grid));
+    }
+    if let Some(back) = &found.back {
+        lines.push(format!(
+            "return: {} loops lead back to the point within {:.0e}; their durations move the end with smallest singular value {}, \
+             so that to first order they reach a ball of radius {} in units of the largest displacements",
+            back.loops.len(),
+            back.error,
+            short(back.singular),
+            short(back.reach)
+        ));
+    }
     lines.join("\n") + "\n"
+}
+
+/// How far the margin carries.
+fn grid_lines(found: &FromRest, grid: &Grid) -> Vec<String> {
+    let least = |of: fn(&GridPoint) -> f64| grid.points.iter().map(of).fold(f64::INFINITY, f64::min);
+    let most = |of: fn(&GridPoint) -> f64| grid.points.iter().map(of).fold(0.0, f64::max);
+    let reach = least(|p| p.reach);
+    let mut line = format!(
+        "the margin carries: {} loops have the margin {} or more at {}; directions change by {} or less for shorter loops",
+        grid.loops.len(),
+        readable(least(|p| p.margin)),
+        counted(grid.points.len(), "point", "points"),
+        readable(most(|p| p.variation))
+    );
+    if reach == 0.0 {
+        line += ", more than the margin: the return below tells what is reached";
+    } else if reach.is_finite() {
+        let within =
+            found.moving.iter().map(|&c| format!("{} ± {}", found.coordinates[c].name, short(reach * found.sizes[c])));
+        line = format!("{line}, and stay positively spanning within {}", within.collect::<Vec<_>>().join(", "));
+    } else {
+        line += ", and do not change with the place";
+    }
+    let mut lines = vec![line];
+    if grid.points.len() > 1 {
+        let covered = if grid.is_covered() { "covers" } else { "does not cover" };
+        lines.push(format!("  this {covered} the bounds of the coordinates between the points of the grid"));
+    }
+    lines
+}
+
+/// Three significant digits.
+pub(super) fn short(x: f64) -> String {
+    readable(format!("{x:.2e}").parse().unwrap_or(x))
 }

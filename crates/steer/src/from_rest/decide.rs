@@ -6,22 +6,19 @@ use bracketry_system::System;
 
 use super::bounds::{Bound, Span, derivative_name};
 use super::displacement::Plant;
+use super::driven;
 use super::error::FromRestError;
+use super::grid::{Family, grid};
 use super::held::{Held, Motion, Test, Where};
-use super::margin::margin;
+use super::meeting::{Meeting, Return};
 use super::model::{Channel, RestModel};
 use super::reason::FromRestReason;
 use super::result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOptions, Proof, Stroke};
+use super::span::{ROUNDING, Spanned, is_displaced, sizes, spanned};
 use super::strokes::{self, Loop};
 
 /// Durations of loops, relative to the full ones, at which displacements are computed.
-const SHORTER: [f64; 3] = [0.5, 0.25, 0.125];
-/// A margin below this is none.
-pub(crate) const LEAST_MARGIN: f64 = 1e-3;
-/// Most coordinates whose subsets are looked at.
-const MAX_OPEN: usize = 8;
-/// A displacement below this part of the size of the coordinate, at least of this much, is rounding of the simulation.
-const ROUNDING: f64 = 1e-9;
+const SHORTER: [f64; 4] = [0.9, 0.5, 0.25, 0.125];
 
 /// When to stop.
 #[derive(Clone, Copy)]
@@ -81,36 +78,58 @@ pub(crate) fn decided(
     }
     let held = global(model);
     let mut strokes = Vec::new();
+    let mut loops = Vec::new();
     let (mut tried, mut stopped) = (0, false);
     let open: Vec<usize> = (0..held.motions.len()).filter(|&c| held.motions[c] != Motion::Never).collect();
+    let slow = if open.is_empty() { Vec::new() } else { strokes::slow_accelerations(model) };
     for make in [strokes::single, strokes::pairs] {
         if open.is_empty() || stopped || depth == Depth::Answers && is_spanned(&strokes, &open) {
             break;
         }
-        for stroke in make(model) {
+        for stroke in make(model, &slow) {
             if limit.is_over() {
                 stopped = true;
                 break;
             }
             tried += 1;
-            strokes.extend(examined(model, plant, &stroke, depth));
+            if let Some(found) = examined(model, plant, &stroke, depth) {
+                strokes.push(found);
+                loops.push(stroke.clone());
+            }
             if depth == Depth::Answers && stroke.moved.len() > 1 && is_spanned(&strokes, &open) {
                 break;
             }
         }
     }
-    answered(name, model, held, strokes, tried, stopped)
+    let mut found = answered(name, model, held, strokes, tried, stopped);
+    if depth == Depth::Full && !found.moving.is_empty() {
+        let changes: Vec<Vec<f64>> = found.strokes.iter().map(|s| s.displacements[0].change.clone()).collect();
+        let of = Family {
+            model,
+            loops: &loops,
+            changes: &changes,
+            sizes: &found.sizes,
+            moving: &found.moving,
+            shorter: &SHORTER,
+        };
+        found.grid = grid(&of, plant, || limit.is_over());
+        if let Some(grid) = &found.grid {
+            let used: Vec<Loop> = grid.loops.iter().map(|&k| loops[k].clone()).collect();
+            let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
+            let is_over = || limit.is_over();
+            let mut meeting = Meeting { model, plant, loops: &used, sizes: &found.sizes, is_over: &is_over };
+            let back = meeting.returned(&at, &found.moving);
+            found.back = back.map(|back| Return { loops: grid.loops.clone(), ..back });
+        }
+        found.withdraw_evidence(stopped);
+    }
+    found
 }
 
 /// What friction holds for all admissible inputs.
 pub(crate) fn global(model: &mut RestModel) -> Held {
     let inputs: Vec<Vec<Span>> = model.channels.iter().map(|c| c.spans.clone()).collect();
     Test::new(model, &inputs, Where::Anywhere).run()
-}
-
-/// Whether a change of coordinates is more than rounding of the simulation.
-pub(crate) fn is_displaced(change: &[f64], from: &[f64]) -> bool {
-    change.iter().zip(from).any(|(d, q)| d.abs() > ROUNDING * q.abs().max(1.0))
 }
 
 /// What a loop does; `None` if it moves nothing, or does not end at rest.
@@ -126,13 +145,17 @@ fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, depth: Dept
     if !is_displaced(&full.change, &at) {
         return None;
     }
-    let inputs = whole.closed.spans(model);
-    let held = Test::new(model, &inputs, Where::Near).run();
-    let mut moved = held.motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
-    let proven = match (moved.next(), moved.next()) {
-        (Some((c, Motion::OnlyUp)), None) if full.change[c] > ROUNDING => Some((c, 1.0)),
-        (Some((c, Motion::OnlyDown)), None) if full.change[c] < -ROUNDING => Some((c, -1.0)),
-        _ => None,
+    let proven = if stroke.moved.len() == 1 {
+        let inputs = whole.closed.spans(model);
+        let motions = Test::new(model, &inputs, Where::Near).run().motions;
+        let mut moved = motions.iter().enumerate().filter(|(_, m)| **m != Motion::Never);
+        match (moved.next(), moved.next()) {
+            (Some((c, Motion::OnlyUp)), None) if full.change[c] > ROUNDING => Some((c, 1.0)),
+            (Some((c, Motion::OnlyDown)), None) if full.change[c] < -ROUNDING => Some((c, -1.0)),
+            _ => None,
+        }
+    } else {
+        driven::proven(model, &whole.closed, &full.change)
     };
     Some(Stroke {
         inputs: stroke.moved.iter().map(|&j| model.channels[j].name.clone()).collect(),
@@ -188,22 +211,15 @@ fn answered(name: &str, model: &RestModel, held: Held, strokes: Vec<Stroke>, tri
         sizes,
         directions,
         margin,
+        grid: None,
+        back: None,
     }
-}
-
-/// Coordinates that loops positively span.
-pub(crate) struct Spanned {
-    pub(crate) moving: Vec<usize>,
-    /// By loop, over the moving coordinates.
-    pub(crate) directions: Vec<Vec<f64>>,
-    pub(crate) margin: f64,
 }
 
 /// The sizes of displacements by coordinate, and what the loops span.
 fn span_of(strokes: &[Stroke], count: usize, open: &[usize]) -> (Vec<f64>, Spanned) {
     let changes: Vec<&[f64]> = strokes.iter().map(|s| s.displacements[0].change.as_slice()).collect();
-    let size = |c: usize| changes.iter().map(|d| d[c].abs()).fold(0.0, f64::max);
-    let sizes: Vec<f64> = (0..count).map(size).collect();
+    let sizes = sizes(&changes, count);
     let found = spanned(&changes, &sizes, open);
     (sizes, found)
 }
@@ -212,37 +228,6 @@ fn span_of(strokes: &[Stroke], count: usize, open: &[usize]) -> (Vec<f64>, Spann
 fn is_spanned(strokes: &[Stroke], open: &[usize]) -> bool {
     let count = strokes.first().map_or(0, |s| s.displacements[0].change.len());
     count > 0 && span_of(strokes, count, open).1.moving.len() == open.len()
-}
-
-/// The largest set of coordinates that loops positively span without a change of the other ones, with the directions of these
-/// loops (0 for the others) and the margin.
-pub(crate) fn spanned(changes: &[&[f64]], sizes: &[f64], open: &[usize]) -> Spanned {
-    let mut sets: Vec<Vec<usize>> = (1u32..1 << open.len().min(MAX_OPEN))
-        .map(|bits| (0..open.len()).filter(|k| bits >> k & 1 == 1).map(|k| open[k]).collect())
-        .collect();
-    sets.sort_by_key(|set| std::cmp::Reverse(set.len()));
-    for set in sets {
-        let is_alone = |change: &[f64]| {
-            let others = open.iter().filter(|c| !set.contains(c));
-            others.into_iter().all(|&c| change[c].abs() <= ROUNDING * sizes[c].max(1.0))
-        };
-        let of = |change: &&[f64]| {
-            if is_alone(change) { direction(change, sizes, &set) } else { vec![0.0; set.len()] }
-        };
-        let directions: Vec<Vec<f64>> = changes.iter().map(of).collect();
-        let found = margin(&directions);
-        if found >= LEAST_MARGIN {
-            return Spanned { moving: set, directions, margin: found };
-        }
-    }
-    Spanned { moving: Vec::new(), directions: Vec::new(), margin: 0.0 }
-}
-
-/// A displacement in units of the sizes, of length 1, over the coordinates that move.
-fn direction(change: &[f64], sizes: &[f64], open: &[usize]) -> Vec<f64> {
-    let scaled: Vec<f64> = open.iter().map(|&c| if sizes[c] > 0.0 { change[c] / sizes[c] } else { 0.0 }).collect();
-    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-    scaled.iter().map(|x| if length > 0.0 { x / length } else { 0.0 }).collect()
 }
 
 /// All bounds that hold.
@@ -262,6 +247,21 @@ fn bounds(model: &RestModel) -> Vec<Bound> {
 }
 
 impl FromRest {
+    /// Displacements of full loops alone are no evidence: they need a margin that stays for shorter loops, or a return.
+    fn withdraw_evidence(&mut self, stopped: bool) {
+        let carries = self.grid.as_ref().is_some_and(|grid| grid.points.iter().all(|p| p.reach > 0.0));
+        if carries || self.back.is_some() {
+            return;
+        }
+        let evidence = Answer::Yes { proof: Proof::Evidence };
+        for answer in self.coordinates.iter_mut().map(|c| &mut c.answer).chain([&mut self.answer]) {
+            if *answer == evidence {
+                *answer = Answer::Unknown;
+                self.reason = Some(if stopped { FromRestReason::Stopped } else { FromRestReason::NoReturn });
+            }
+        }
+    }
+
     fn without_answer(model: &str, reason: FromRestReason) -> Self {
         FromRest {
             model: model.to_owned(),
@@ -275,6 +275,8 @@ impl FromRest {
             sizes: Vec::new(),
             directions: Vec::new(),
             margin: 0.0,
+            grid: None,
+            back: None,
         }
     }
 }

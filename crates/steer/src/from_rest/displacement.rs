@@ -1,6 +1,6 @@
 //! The displacement of a loop, on the exact plant.
 
-use bracketry_sim::{Hold, InputError};
+use bracketry_sim::{Hold, InputError, Model, Path, SimulationSettings, Stepper, Tangent};
 use bracketry_symbolic::StopFlag;
 
 use super::model::RestModel;
@@ -8,6 +8,8 @@ use super::strokes::{CLOSING, Loop};
 use crate::roll_out::RollOut;
 use crate::signals::Signals;
 
+/// Least number of steps of a motion along which derivatives are propagated.
+const STEPS: f64 = 400.0;
 /// A velocity below this is rest.
 const REST: f64 = 1e-9;
 /// Pauses that are tried after a loop until everything rests, in durations of the loop.
@@ -20,11 +22,12 @@ const SECANTS: usize = 12;
 /// The plant that loops are tried on.
 pub(crate) struct Plant {
     roll_out: RollOut,
+    stop: StopFlag,
 }
 
 impl Plant {
     pub(crate) fn new(model: &RestModel, stop: &StopFlag) -> Result<Self, InputError> {
-        Ok(Plant { roll_out: RollOut::new(&model.system, Hold::Previous, stop)? })
+        Ok(Plant { roll_out: RollOut::new(&model.system, Hold::Previous, stop)?, stop: stop.clone() })
     }
 
     /// The change of the coordinates by a loop with all durations times `scale`, with the signals including the pause in
@@ -49,6 +52,36 @@ impl Plant {
             }
         }
         None
+    }
+
+    /// The derivative of the displacement under these inputs by the coordinates at the start, `[from][to]`, by the linear maps
+    /// along the motion; `None` where it cannot be followed.
+    pub(crate) fn sensitivity(&self, model: &RestModel, from: &[f64], signals: &Signals) -> Option<Vec<Vec<f64>>> {
+        let inputs = signals.inputs(&model.system.input_names()).ok()?;
+        let plant = Model::differentiable(&model.system, &inputs, &[]).ok()?;
+        let mut settings = SimulationSettings::default().with_max_step(signals.duration() / STEPS);
+        settings.stop = self.stop.clone();
+        let mut stepper = Stepper::new(plant, 0.0, &at_rest(model, from), &settings).ok()?;
+        stepper.follow(Path::default());
+        if !stepper.advance(signals.duration()).is_finished() {
+            return None;
+        }
+        let (path, mut tangent) = (stepper.take_path(), Tangent::default());
+        if !stepper.system_mut().tangent(&path, &mut tangent) {
+            return None;
+        }
+        let n = model.system.states.len();
+        let mut derivatives = Vec::new();
+        for &k in &model.coordinates {
+            let mut change = vec![0.0; n];
+            change[k] = 1.0;
+            for piece in 0..tangent.len() {
+                tangent.propagate(piece, &mut change, &[], &mut Vec::new());
+            }
+            change[k] -= 1.0;
+            derivatives.push(model.coordinates.iter().map(|&to| change[to]).collect());
+        }
+        Some(derivatives)
     }
 
     /// The factor for which the velocity without friction ends at zero, by the secant method.

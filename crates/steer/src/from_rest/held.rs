@@ -1,14 +1,12 @@
 //! What friction holds, whatever the inputs within their bounds.
 
-use std::cmp::Ordering;
-
-use bracketry_symbolic::{Bindings, Expr, Symbol};
-use bracketry_system::LeastValue;
+use bracketry_symbolic::{Expr, Symbol};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use super::bounds::{Span, derivative_name};
 use super::model::{Group, Law, RestModel};
+use super::sign::{Holds, nonnegative};
 
 /// How a coordinate may move from rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -35,18 +33,6 @@ pub struct Cone {
     pub friction: Option<String>,
     /// Whether friction balances them for all admissible inputs.
     pub holds: Holds,
-}
-
-/// An answer on all admissible inputs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Holds {
-    /// For all of them.
-    Always,
-    /// Not for some.
-    NotAlways,
-    /// Not decided.
-    Undecided,
 }
 
 /// The cones of all friction forces, and what follows for the coordinates.
@@ -137,24 +123,55 @@ impl<'a> Test<'a> {
 
     /// The largest set of groups that hold each other: where all of them are at rest, friction balances each.
     pub(crate) fn run(&mut self) -> Held {
-        let groups = self.groups.clone();
-        let mut holds = vec![Holds::Always; groups.len()];
+        let holds = self.holds();
+        let still = self.still(&holds);
+        let cones = (0..holds.len()).map(|g| self.cone(g, &holds, &still)).collect();
+        let motions = (0..self.model.coordinates.len()).map(|c| self.motion(c, &still, &holds)).collect();
+        Held { cones, motions }
+    }
+
+    fn holds(&mut self) -> Vec<Holds> {
+        let mut holds = vec![Holds::Always; self.groups.len()];
         loop {
             let still = self.still(&holds);
-            let failing = (0..groups.len()).find_map(|g| {
+            let failing = (0..holds.len()).find_map(|g| {
                 (holds[g] == Holds::Always)
                     .then(|| (g, self.balanced(g, &still, &holds)))
                     .filter(|(_, found)| *found != Holds::Always)
             });
             match failing {
                 Some((g, found)) => holds[g] = found,
-                None => break,
+                None => return holds,
             }
         }
+    }
+
+    /// The rate of a coordinate's velocity that has no friction, where friction holds what it can.
+    pub(crate) fn driven_rate(&mut self, coordinate: usize, velocity: usize) -> Option<Expr> {
+        let holds = self.holds();
+        self.driven(coordinate, velocity, &holds)
+    }
+
+    fn driven(&mut self, coordinate: usize, velocity: usize, holds: &[Holds]) -> Option<Expr> {
+        let pool = &mut self.model.system.pool;
+        let name = pool.sym(self.model.system.states[velocity]);
+        let group = self.groups.iter().position(|g| g.velocities == [velocity] && g.law == Law::Driven)?;
+        if self.rates[self.model.coordinates[coordinate]] != name {
+            return None;
+        }
+        let still = self.still(holds);
+        let rates = self.rates.clone();
+        let forces = self.forces(group, &rates, &still)?;
+        self.with_static_friction(&forces.rates, &still, holds).first().copied()
+    }
+
+    /// Whether that rate has a sign, or vanishes, for all inputs.
+    pub(crate) fn driven_sign(&mut self, coordinate: usize, velocity: usize, sign: f64) -> Holds {
+        let holds = self.holds();
+        let Some(rate) = self.driven(coordinate, velocity, &holds) else { return Holds::Undecided };
+        let rate = if sign > 0.0 { rate } else { self.model.system.pool.neg(rate) };
         let still = self.still(&holds);
-        let cones = (0..groups.len()).map(|g| self.cone(g, &holds, &still)).collect();
-        let motions = (0..self.model.coordinates.len()).map(|c| self.motion(c, &still, &holds)).collect();
-        Held { cones, motions }
+        self.nonnegative(rate, &still)
     }
 
     /// The velocities that stay zero.
@@ -285,56 +302,13 @@ impl<'a> Test<'a> {
         }
     }
 
-    /// Whether an expression is nowhere negative: by its least value with outward rounding, and where that is zero to
-    /// rounding, by its exact value at the corner.
+    /// Whether an expression is nowhere negative for all admissible inputs while `still` are at rest.
     fn nonnegative(&mut self, e: Expr, still: &[usize]) -> Holds {
         let fixed = self.fixed(still);
         let symbols = self.model.system.pool.symbols_of(&[e]);
         let spans: Vec<Span> = symbols.iter().map(|&s| self.span_of(s, &fixed)).collect();
-        // What has one exact value is put in, so that the rest is decided over fewer numbers.
-        let pool = &mut self.model.system.pool;
-        let mut known: FxHashMap<Expr, Expr> = FxHashMap::default();
-        for (&s, span) in symbols.iter().zip(&spans) {
-            if let [Some(a), Some(b)] = &span.exact
-                && a == b
-            {
-                known.insert(pool.sym(s), pool.rational(a.clone()));
-            }
-        }
-        let e = pool.substitute(e, &known);
-        let e = pool.simplify(e);
-        let open: Vec<(Symbol, Span)> =
-            symbols.into_iter().zip(spans).filter(|(s, _)| pool.depends_on(e, *s)).collect();
-        let by_sign = |sign: Option<Ordering>| match sign {
-            Some(Ordering::Less) => Holds::NotAlways,
-            Some(_) => Holds::Always,
-            None => Holds::Undecided,
-        };
-        if open.is_empty() {
-            return by_sign(pool.constant_sign(e, &Bindings::new()));
-        }
-        if open.iter().any(|(_, span)| !span.is_finite()) {
-            return Holds::Undecided;
-        }
-        let variables: Vec<Symbol> = open.iter().map(|(s, _)| *s).collect();
-        let region: Vec<[f64; 2]> = open.iter().map(|(_, span)| span.outward()).collect();
-        let Some(least) = LeastValue::on_box(pool, e, &variables, &region) else { return Holds::Undecided };
-        if least.value >= 0.0 {
-            return Holds::Always;
-        }
-        let Some(corner) = least.corner else {
-            // Clear of what rounding the ends outward changes.
-            return if least.value < -CLEAR { Holds::NotAlways } else { Holds::Undecided };
-        };
-        let mut ends: FxHashMap<Expr, Expr> = FxHashMap::default();
-        for ((s, span), upper) in open.iter().zip(corner) {
-            match &span.exact[usize::from(upper)] {
-                Some(exact) => ends.insert(pool.sym(*s), pool.rational(exact.clone())),
-                None => return if least.value < -CLEAR { Holds::NotAlways } else { Holds::Undecided },
-            };
-        }
-        let value = pool.substitute(e, &ends);
-        by_sign(pool.constant_sign(value, &Bindings::new()))
+        let symbols: Vec<(Symbol, Span)> = symbols.into_iter().zip(spans).collect();
+        nonnegative(&mut self.model.system.pool, e, &symbols)
     }
 
     /// How a coordinate may move: not where its rate vanishes, and one way only where its rate is a velocity that friction keeps
@@ -400,6 +374,3 @@ impl<'a> Test<'a> {
         map
     }
 }
-
-/// A least value below minus this is negative whatever the rounding of the ends of intervals.
-const CLEAR: f64 = 1e-9;

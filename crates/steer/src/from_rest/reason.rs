@@ -26,6 +26,9 @@ pub enum FromRestReason {
         /// Loops that were tried.
         tried: usize,
     },
+    /// The displacements of full loops positively span the coordinates, but not those of shorter ones, and no loops were found that
+    /// lead back.
+    NoReturn,
     /// The time limit was reached, or it was asked to stop.
     Stopped,
 }
@@ -46,6 +49,11 @@ impl std::fmt::Display for FromRestReason {
             Self::Loops { tried } => {
                 write!(f, "the displacements of {tried} loops do not positively span the coordinates; try wider bounds")
             }
+            Self::NoReturn => write!(
+                f,
+                "the displacements of full loops positively span the coordinates, but those of shorter ones do not, and no loops \
+                 lead back; try other bounds"
+            ),
             Self::Stopped => write!(f, "the time limit was reached"),
         }
     }

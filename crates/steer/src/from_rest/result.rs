@@ -6,7 +6,9 @@ use bracketry_symbolic::StopFlag;
 use serde::Serialize;
 
 use super::bounds::Bound;
+use super::grid::Grid;
 use super::held::{Cone, Motion};
+use super::meeting::Return;
 use super::reason::FromRestReason;
 use super::strokes::Shape;
 use crate::signals::Signals;
@@ -120,4 +122,8 @@ pub struct FromRest {
     pub directions: Vec<Vec<f64>>,
     /// Radius of the ball about 0 in the hull of these directions.
     pub margin: f64,
+    /// How far the margin carries, over the bounds of the coordinates; `None` without loops, or where this was not found in time.
+    pub grid: Option<Grid>,
+    /// Loops that return to the point, and how their durations move the end; `None` if there are none.
+    pub back: Option<Return>,
 }

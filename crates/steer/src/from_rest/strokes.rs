@@ -20,6 +20,8 @@ const SHAKES: usize = 4;
 const SLOW: f64 = 0.9;
 /// The acceleration of the second input of a pair, as a part of its bound: what closes a loop may exceed it.
 pub(crate) const CLOSING: f64 = 0.8;
+/// The least acceleration of a return, as a part of its limit.
+const LEAST_ACCELERATION: f64 = 1e-3;
 /// Bisections of the acceleration of a return.
 const BISECTIONS: usize = 20;
 
@@ -49,6 +51,8 @@ pub enum Shape {
         fast: f64,
         /// Size of its acceleration on the way back.
         slow: f64,
+        /// Whether the second input is shaken a little meanwhile.
+        shaken: bool,
     },
     /// Two inputs go off and back, together; a second time, with the opposite sign of the second input, if a velocity has no
     /// friction of its own.
@@ -177,20 +181,20 @@ pub(crate) fn rest_values(model: &RestModel) -> Vec<f64> {
 }
 
 /// Loops of single inputs.
-pub(crate) fn single(model: &mut RestModel) -> Vec<Loop> {
+pub(crate) fn single(model: &RestModel, slow: &[Option<f64>]) -> Vec<Loop> {
     let mut list = Vec::new();
     for channel in 0..model.channels.len() {
         for up in [true, false] {
             list.extend(lift(model, channel, up, false));
             list.extend(lift(model, channel, up, true));
-            list.extend(fast_slow(model, channel, up));
+            list.extend(fast_slow(model, channel, up, slow[channel]));
         }
     }
     list
 }
 
 /// Loops of two inputs.
-pub(crate) fn pairs(model: &mut RestModel) -> Vec<Loop> {
+pub(crate) fn pairs(model: &RestModel, slow: &[Option<f64>]) -> Vec<Loop> {
     let driven: Vec<usize> =
         model.groups.iter().filter(|g| g.law == Law::Driven).flat_map(|g| g.velocities.clone()).collect();
     let mut list = Vec::new();
@@ -201,11 +205,11 @@ pub(crate) fn pairs(model: &mut RestModel) -> Vec<Loop> {
             }
             let limit = |c: &Channel| room(c, 2, true).min(room(c, 2, false));
             let (first, second) = (limit(&model.channels[i]), CLOSING * limit(&model.channels[j]));
-            let held = held_acceleration(model, i, first);
-            for a in [Some(first), held].into_iter().flatten().filter(|a| *a > 0.0 && second > 0.0) {
+            for a in [Some(first), slow[i]].into_iter().flatten().filter(|a| *a > 0.0 && second > 0.0) {
                 for sign in [1.0, -1.0] {
-                    list.extend(carried(model, [i, j], sign * a, sign > 0.0));
-                    list.extend(carried(model, [i, j], sign * a, sign < 0.0));
+                    for (up, shaken) in [(true, false), (true, true), (false, false), (false, true)] {
+                        list.extend(carried(model, [i, j], sign * a, slow[i], (up, shaken)));
+                    }
                     list.push(together(model, [i, j], [a, sign * second], driven.first().copied()));
                 }
             }
@@ -215,17 +219,23 @@ pub(crate) fn pairs(model: &mut RestModel) -> Vec<Loop> {
 }
 
 /// Input j goes off, input i accelerates there, and comes back when j is back.
-fn carried(model: &RestModel, [i, j]: [usize; 2], fast: f64, up: bool) -> Option<Loop> {
-    let limit = room(&model.channels[i], 2, true).min(room(&model.channels[i], 2, false));
-    let slow = held_acceleration(&mut model.clone(), i, limit)?;
-    let under = lift(model, j, up, false)?;
+fn carried(
+    model: &RestModel,
+    [i, j]: [usize; 2],
+    fast: f64,
+    slow: Option<f64>,
+    (up, shaken): (bool, bool),
+) -> Option<Loop> {
+    let slow = slow?;
+    let under = lift(model, j, up, shaken)?;
     let Shape::Lift { peak, .. } = under.shape else { return None };
     let mut pieces = under.pieces;
-    // The piece in the middle is the one in which j stays.
-    let middle = pieces.len() / 2;
-    let t = pieces[middle].1;
-    pieces[middle].0[i] += fast;
-    let after: f64 = pieces[middle + 1..].iter().map(|p| p.1).sum();
+    // The pieces in the middle are those in which j stays, or is shaken.
+    let there = if shaken { 3 * SHAKES } else { 1 };
+    let first = (pieces.len() - there) / 2;
+    let t: f64 = pieces[first..first + there].iter().map(|p| p.1).sum();
+    pieces[first..first + there].iter_mut().for_each(|(row, _)| row[i] += fast);
+    let after: f64 = pieces[first + there..].iter().map(|p| p.1).sum();
     let (speed, brake) = (fast * t, fast.abs() * t / slow);
     let far = (0.5 * fast * t * t + speed * after + 0.5 * speed * brake).abs();
     let back = (far / slow).sqrt();
@@ -239,7 +249,7 @@ fn carried(model: &RestModel, [i, j]: [usize; 2], fast: f64, up: bool) -> Option
     let fits = speed.abs() <= room(channel, 1, fast > 0.0)
         && far <= room(channel, 0, fast > 0.0)
         && slow * back <= room(channel, 1, fast < 0.0);
-    let shape = Shape::Carried { peak, fast, slow };
+    let shape = Shape::Carried { peak, fast, slow, shaken };
     fits.then(|| Loop { shape, moved: vec![i, j], pieces, closing: None })
 }
 
@@ -318,21 +328,17 @@ fn lift(model: &RestModel, j: usize, up: bool, shaken: bool) -> Option<Loop> {
     is_loop.then(|| Loop::of_one(model, j, Shape::Lift { peak: sign * peak, shaken }, &pieces))
 }
 
-fn fast_slow(model: &mut RestModel, j: usize, up: bool) -> Option<Loop> {
+fn fast_slow(model: &RestModel, j: usize, up: bool, slow: Option<f64>) -> Option<Loop> {
     let channel = &model.channels[j];
     if channel.order() != 2 {
         return None;
     }
     let sign = if up { 1.0 } else { -1.0 };
     let fast = room(channel, 2, up);
-    let limit = room(channel, 2, true).min(room(channel, 2, false));
+    let slow = slow?;
     let speed = room(channel, 1, up);
     let back_speed = room(channel, 1, !up);
     let far = room(channel, 0, up);
-    if limit.is_nan() || limit <= 0.0 {
-        return None;
-    }
-    let slow = held_acceleration(model, j, limit)?;
     // The input goes to fast t²/2 (1 + fast/slow), and is back with √(slow · that) as its highest speed.
     let reach = 0.5 * fast * (1.0 + fast / slow);
     let t = FIRST_PIECE.min(speed / fast).min((far / reach).sqrt()).min((back_speed.powi(2) / (slow * reach)).sqrt());
@@ -340,6 +346,17 @@ fn fast_slow(model: &mut RestModel, j: usize, up: bool) -> Option<Loop> {
     let pieces = [(sign * fast, t), (-sign * slow, fast * t / slow + back), (sign * slow, back)];
     let is_loop = t > 0.0 && pieces.iter().all(|p| p.0.is_finite() && p.1.is_finite());
     is_loop.then(|| Loop::of_one(model, j, Shape::FastSlow { fast: sign * fast, slow }, &pieces))
+}
+
+/// By input, the acceleration of a return; `None` where there is none.
+pub(crate) fn slow_accelerations(model: &mut RestModel) -> Vec<Option<f64>> {
+    (0..model.channels.len())
+        .map(|j| {
+            let channel = &model.channels[j];
+            let limit = (channel.order() == 2).then(|| room(channel, 2, true).min(room(channel, 2, false)))?;
+            if limit > 0.0 { held_acceleration(model, j, limit) } else { None }
+        })
+        .collect()
 }
 
 /// The largest acceleration of an input, up to a limit, that moves no coordinate near the point, times [`SLOW`].
@@ -355,10 +372,13 @@ fn held_acceleration(model: &mut RestModel, j: usize, limit: f64) -> Option<f64>
     if holds(limit) {
         return Some(limit * SLOW);
     }
-    let (mut low, mut high) = (0.0, limit);
+    let (mut low, mut high) = (LEAST_ACCELERATION * limit, limit);
+    if !holds(low) {
+        return None;
+    }
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
         if holds(middle) { low = middle } else { high = middle }
     }
-    (low > 0.0).then_some(SLOW * low)
+    Some(SLOW * low)
 }

@@ -3,7 +3,7 @@
 use crate::common::{Numbers, model, reached, system};
 use bracketry_steer::from_rest::{
     Answer, Bound, FromRest, FromRestError, FromRestOptions, FromRestReason, Holds, Motion, Proof, Shape, from_rest,
-    margin,
+    from_rest_map, margin,
 };
 use bracketry_steer::{SteerMethod, SteerOptions, Steering, own_inputs};
 use bracketry_symbolic::Rational;
@@ -129,16 +129,29 @@ fn the_cart_stays_within_the_cone_of_the_tilt() {
     assert_eq!(wide.answer, PROVEN);
 }
 
+/// A force u pulls a mass on a spring: at x, friction holds if |u − k x| ≤ F for all u; with bounds of x, if this is so everywhere
+/// within them.
+#[test]
+fn a_force_moves_the_mass_on_a_spring() {
+    let mass = model("spring_mass_friction");
+    assert_eq!(within(&mass, "u=-0.2..0.2").answer, Answer::No);
+    assert_eq!(within(&mass, "u=-0.3..0.3").answer, PROVEN);
+    // k x = 0.08 at x = 0.1.
+    assert_eq!(motions(&within(&mass, "u=-0.12..0.12,x=-0.1..0.1")), [Motion::Never]);
+    assert_ne!(motions(&within(&mass, "u=-0.121..0.12,x=-0.1..0.1")), [Motion::Never]);
+    // At x = 0.3, the spring alone pulls with 0.24: no rest state.
+    assert_eq!(within(&at(mass, "x=0.3"), "u=-1..1").reason, Some(FromRestReason::NotAtRest));
+}
+
 /// On the published plate, yaw has no friction: it turns within the friction cone, where x and y never change.
 #[test]
 fn the_published_plate_turns_what_it_cannot_shift() {
     let plate = model("plate_published");
     let small = within(&plate, "der(X,2)=-2..2,theta=-0.2..0.2,der(theta,2)=-20..20");
     assert_eq!(motions(&small), [Motion::Never, Motion::Never, Motion::Open]);
-    assert!(matches!(answers(&small)[2], Answer::Yes { .. }));
+    assert_eq!(answers(&small)[2], PROVEN);
     let large = within(&plate, "der(X,2)=-5..5,theta=-0.4..0.4,der(theta,2)=-20..20");
-    assert!(matches!(large.answer, Answer::Yes { .. }));
-    assert_eq!(answers(&large)[..2], [PROVEN, PROVEN]);
+    assert_eq!(large.answer, PROVEN);
     assert!((large.margin - 1.0 / 3f64.sqrt()).abs() < 1e-3, "{}", large.margin);
 }
 
@@ -203,6 +216,31 @@ fn bounds_that_do_not_fit_are_refused() {
     }
 }
 
+/// Along the acceleration, "no" ends at μ g, and "yes" starts there up to the room that loops leave to their bounds.
+#[test]
+fn the_threshold_of_a_map_is_the_known_one() {
+    let mut numbers = Numbers(5);
+    for _ in 0..5 {
+        let mut table = model("shaken_table");
+        let (mu, g) = (thousandths(0.5 + 0.4 * numbers.next()), thousandths(10.0 + 5.0 * numbers.next()));
+        assert!(table.set_parameter("mu", mu.clone()) && table.set_parameter("g", g.clone()));
+        let friction = (mu * g).to_f64().value();
+        let axes = [Bound::new("der(X,2)", 0.5 * friction, 2.0 * friction), Bound::new("X", 0.01, 1.0)];
+        let map = from_rest_map(&table, &axes, 4, &FromRestOptions::default()).unwrap();
+        assert!(map.is_complete());
+        let threshold = &map.thresholds[0];
+        assert!((threshold.no_up_to - friction).abs() < 1e-6 * friction, "{threshold:?} {friction}");
+        let yes = threshold.yes_from.unwrap();
+        assert!(yes > friction && yes < 1.002 * friction, "{threshold:?} {friction}");
+        for (j, row) in map.cells.iter().enumerate() {
+            for (i, cell) in row.iter().enumerate() {
+                let expected = if map.x[i] > friction { PROVEN } else { Answer::No };
+                assert_eq!(cell.as_ref().unwrap()[0], expected, "{i} {j}");
+            }
+        }
+    }
+}
+
 /// From rest to rest by loops, between coordinates by name; simulated again by itself.
 fn steered(system: &System, bounds: &str, from: &[(&str, f64)], to: &[(&str, f64)]) -> Steering {
     let given = own_inputs(system).unwrap();
@@ -235,4 +273,29 @@ fn loops_steer_the_plate() {
     let all = [("x", 0.54), ("y", 0.0), ("phi", std::f64::consts::FRAC_PI_2)];
     steered(&model("plate_published"), bounds, &start, &all);
     steered(&model("plate_reduced"), bounds, &start, &[("x", 0.5), ("y", 0.0), ("phi", 0.2)]);
+}
+
+/// A puck on a table that is shaken along two directions: friction holds it if and only if the corners of the accelerations lie in
+/// the disk of radius m, also where they lie on its edge.
+#[test]
+fn the_cone_of_a_puck_is_a_disk() {
+    let puck = |m: i32| {
+        system(
+            &["x", "y", "vx", "vy"],
+            &["X", "Y"],
+            &["vx", "vy", &format!("-der(X,2) - {m}*unit(vx, vy)"), &format!("-der(Y,2) - {m}*unit(vy, vx)")],
+        )
+    };
+    let bounds = |a: i32, b: i32, more: f64| {
+        let more = thousandths(more);
+        let size = |x: i32| Rational::from(x) + more.clone();
+        vec![Bound::exact("der(X,2)", -size(a), size(a)), Bound::exact("der(Y,2)", -size(b), size(b))]
+    };
+    for (a, b, m) in [(3, 4, 5), (5, 12, 13), (8, 15, 17), (20, 21, 29)] {
+        assert_eq!(motions(&under(&puck(m), bounds(a, b, 0.0))), [Motion::Never; 2]);
+        assert_eq!(motions(&under(&puck(m), bounds(a, b, 0.001))), [Motion::Open; 2]);
+        let both = under(&puck(m), bounds(m, m, 1.0));
+        assert_eq!(both.answer, PROVEN);
+        assert!(both.back.unwrap().error < 1e-9 && both.grid.unwrap().points[0].reach > 0.0);
+    }
 }
