@@ -78,6 +78,11 @@ impl Evidence {
         Ok(())
     }
 
+    /// Takes a rank of vectors into account that are constant, or linear in a random point.
+    pub(crate) fn add_linear_rank(&mut self, rank: usize) {
+        self.add_error(((rank + 1) as f64).log10() - (Fp::MODULUS as f64).log10());
+    }
+
     /// Takes the span of the outputs' derivatives of so many orders at one point into account, where rates and outputs
     /// have this degree.
     ///

@@ -8,7 +8,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use bracketry_symbolic::{Pool, Rational, Samples};
+use bracketry_symbolic::{Pool, Rational, Residue, Undecided as Exact};
 
 use crate::algebra::closure::Closure;
 use crate::algebra::field::{Field, VectorFields};
@@ -16,34 +16,28 @@ use crate::algebra::linear_fields::LinearFields;
 use crate::algebra::word::Word;
 use crate::budget::check_size;
 use crate::evidence::Evidence;
-use crate::residues::{Fp, OFFSET};
+use crate::residues::OFFSET;
 use crate::undecided::Undecided;
 
 /// Seed of the point at which the drift is taken.
 const SEED: u64 = 0x6b72_796c_6f76;
 
+/// The second prime is 2^61 less this.
+const OTHER_OFFSET: u64 = 1;
+
 /// A sparse vector: places and entries.
 type Sparse<F> = Vec<(usize, F)>;
 
-/// The closures of a linear system, or none where it is not seen to be one, or has a coefficient without a residue.
+/// The closures of a linear system.
 pub(crate) struct Krylov<'a> {
     fields: &'a VectorFields,
     linear: LinearFields,
-    /// The columns of A modulo the prime.
-    columns: Vec<Sparse<Fp>>,
-    inputs: Vec<Sparse<Fp>>,
-    /// The drift at a random point.
-    drift: Samples<OFFSET>,
 }
 
 impl<'a> Krylov<'a> {
-    pub(crate) fn of(pool: &mut Pool, fields: &'a VectorFields) -> Option<Self> {
-        let linear = LinearFields::of(pool, fields)?;
-        let residues = |v: &Sparse<Rational>| v.iter().map(|(i, c)| Some((*i, Fp::from_rational(c)?))).collect();
-        let columns: Vec<Sparse<Fp>> = linear.columns.iter().map(residues).collect::<Option<_>>()?;
-        let inputs = linear.inputs.iter().map(residues).collect::<Option<_>>()?;
-        let drift = pool.sample_in::<OFFSET>(&fields.drift, &fields.bindings, 1, SEED).ok()?;
-        Some(Krylov { fields, linear, columns, inputs, drift })
+    /// None where the fields are not seen to be those of a linear system.
+    pub(crate) fn of(pool: &Pool, fields: &'a VectorFields) -> Option<Self> {
+        Some(Krylov { fields, linear: LinearFields::of(pool, fields)? })
     }
 
     /// The accessibility distribution, with the drift, or the strong one.
@@ -75,26 +69,51 @@ impl<'a> Krylov<'a> {
     /// [`Undecided`] at a limit.
     pub(crate) fn growth(
         &self,
-        pool: &Pool,
+        pool: &mut Pool,
         with_drift: bool,
         evidence: &mut Evidence,
     ) -> Result<Vec<usize>, Undecided> {
         Ok(self.choose(pool, with_drift, evidence)?.growth)
     }
 
-    fn choose(&self, pool: &Pool, with_drift: bool, evidence: &mut Evidence) -> Result<Chosen, Undecided> {
+    /// Independent vectors modulo one prime; modulo another one too where they are not everything, as a rank may be too small where the
+    /// prime divides a minor, and is never too large.
+    fn choose(&self, pool: &mut Pool, with_drift: bool, evidence: &mut Evidence) -> Result<Chosen, Undecided> {
+        let found = self.choose_modulo::<OFFSET>(pool, with_drift, evidence)?;
+        if found.vectors.len() == self.fields.states.len() {
+            return Ok(found);
+        }
+        let other = self.choose_modulo::<OTHER_OFFSET>(pool, with_drift, evidence)?;
+        Ok(if other.growth > found.growth { other } else { found })
+    }
+
+    fn choose_modulo<const C: u64>(
+        &self,
+        pool: &mut Pool,
+        with_drift: bool,
+        evidence: &mut Evidence,
+    ) -> Result<Chosen, Undecided> {
         let n = self.fields.states.len();
+        let residues = |v: &Sparse<Rational>| -> Result<Sparse<Residue<C>>, Undecided> {
+            let residue = |c: &Rational| Residue::from_rational(c).ok_or_else(|| no_residue(c));
+            v.iter().map(|(i, c)| Ok((*i, residue(c)?))).collect()
+        };
+        let columns = self.linear.columns.iter().map(residues).collect::<Result<Vec<_>, _>>()?;
         let mut span = SparseSpan::empty(n);
         let mut vectors = Vec::new();
-        // Vectors of the last round with their numbers; the drift's own bracket vanishes.
-        let mut fresh: Vec<(Sparse<Fp>, usize)> = Vec::new();
-        let drift = self.drift.values.iter().flatten().copied().enumerate().filter(|(_, x)| !x.is_zero());
-        if with_drift && span.insert(&drift.collect()) {
-            vectors.push(Vector::Drift);
+        if with_drift {
+            let drift = pool.sample_in::<C>(&self.fields.drift, &self.fields.bindings, 1, SEED)?;
+            let entries = drift.values.iter().flatten().copied().enumerate().filter(|(_, x)| !x.is_zero());
+            if span.insert(&entries.collect()) {
+                vectors.push(Vector::Drift);
+            }
         }
-        for (k, b) in self.inputs.iter().enumerate() {
-            if span.insert(b) {
-                fresh.push((b.clone(), vectors.len()));
+        // Vectors of the last round with their numbers; the drift's own bracket vanishes.
+        let mut fresh: Vec<(Sparse<Residue<C>>, usize)> = Vec::new();
+        for (k, b) in self.linear.inputs.iter().enumerate() {
+            let b = residues(b)?;
+            if span.insert(&b) {
+                fresh.push((b, vectors.len()));
                 vectors.push(Vector::Input(k));
             }
         }
@@ -106,7 +125,7 @@ impl<'a> Krylov<'a> {
                 if let Some(limit) = pool.reached_limit() {
                     return Err(limit.into());
                 }
-                let image = span.times(&self.columns, &v);
+                let image = span.times(&columns, &v);
                 if span.insert(&image) {
                     next.push((image, vectors.len()));
                     vectors.push(Vector::Image(of));
@@ -117,7 +136,7 @@ impl<'a> Krylov<'a> {
             any = !fresh.is_empty();
             growth.push(vectors.len());
         }
-        evidence.add_rank(&self.drift, vectors.len())?;
+        evidence.add_linear_rank(vectors.len());
         Ok(Chosen { growth, vectors })
     }
 
@@ -169,6 +188,10 @@ struct Chosen {
     vectors: Vec<Vector>,
 }
 
+fn no_residue(c: &Rational) -> Exact {
+    Exact::OtherPrime { text: c.to_string(), reason: "its denominator is a multiple of a prime in use" }
+}
+
 /// −A v.
 fn negative_image(columns: &[Sparse<Rational>], v: &Sparse<Rational>) -> Sparse<Rational> {
     let mut image = std::collections::BTreeMap::new();
@@ -181,21 +204,21 @@ fn negative_image(columns: &[Sparse<Rational>], v: &Sparse<Rational>) -> Sparse<
 }
 
 /// A span of sparse vectors modulo the prime.
-struct SparseSpan {
+struct SparseSpan<const C: u64> {
     /// Rows with 1 at their first place, by that place.
-    rows: Vec<Option<Sparse<Fp>>>,
+    rows: Vec<Option<Sparse<Residue<C>>>>,
     /// A vector that is worked on: its entries, its places in order, and whether a place is among them.
-    work: Vec<Fp>,
+    work: Vec<Residue<C>>,
     places: BinaryHeap<Reverse<usize>>,
     listed: Vec<bool>,
     products: f64,
 }
 
-impl SparseSpan {
+impl<const C: u64> SparseSpan<C> {
     fn empty(n: usize) -> Self {
         SparseSpan {
             rows: vec![None; n],
-            work: vec![Fp::ZERO; n],
+            work: vec![Residue::ZERO; n],
             places: BinaryHeap::new(),
             listed: vec![false; n],
             products: 0.0,
@@ -207,7 +230,7 @@ impl SparseSpan {
         std::mem::take(&mut self.products)
     }
 
-    fn add(&mut self, i: usize, x: Fp) {
+    fn add(&mut self, i: usize, x: Residue<C>) {
         self.work[i] += x;
         if !self.listed[i] {
             self.listed[i] = true;
@@ -216,14 +239,14 @@ impl SparseSpan {
     }
 
     /// The next place of the vector that is worked on, with its entry; both are taken away.
-    fn next(&mut self) -> Option<(usize, Fp)> {
+    fn next(&mut self) -> Option<(usize, Residue<C>)> {
         let Reverse(i) = self.places.pop()?;
         self.listed[i] = false;
-        Some((i, std::mem::replace(&mut self.work[i], Fp::ZERO)))
+        Some((i, std::mem::replace(&mut self.work[i], Residue::ZERO)))
     }
 
     /// −A v.
-    fn times(&mut self, columns: &[Sparse<Fp>], v: &Sparse<Fp>) -> Sparse<Fp> {
+    fn times(&mut self, columns: &[Sparse<Residue<C>>], v: &Sparse<Residue<C>>) -> Sparse<Residue<C>> {
         for (j, x) in v {
             for (i, a) in &columns[*j] {
                 self.add(*i, -(*a * *x));
@@ -234,11 +257,11 @@ impl SparseSpan {
     }
 
     /// Adds a vector; false if it is in the span already.
-    fn insert(&mut self, v: &Sparse<Fp>) -> bool {
+    fn insert(&mut self, v: &Sparse<Residue<C>>) -> bool {
         for (i, x) in v {
             self.add(*i, *x);
         }
-        let mut rest: Sparse<Fp> = Vec::new();
+        let mut rest: Sparse<Residue<C>> = Vec::new();
         while let Some((i, x)) = self.next() {
             if x.is_zero() {
                 continue;
@@ -254,7 +277,7 @@ impl SparseSpan {
             self.rows[i] = Some(row);
         }
         let Some((first, lead)) = rest.first().copied() else { return false };
-        let scale = lead.inv().unwrap_or(Fp::ONE);
+        let scale = lead.inv().unwrap_or(Residue::ONE);
         for (_, x) in &mut rest {
             *x *= scale;
         }
@@ -295,7 +318,7 @@ mod tests {
             let fields = VectorFields::new(states, drift, controls, bindings).unwrap();
             let evidence = &mut Evidence::default();
             for with_drift in [true, false] {
-                let found = Krylov::of(&mut pool, &fields).unwrap().close(&mut pool, with_drift, evidence).unwrap();
+                let found = Krylov::of(&pool, &fields).unwrap().close(&mut pool, with_drift, evidence).unwrap();
                 let expected = if with_drift {
                     fields.accessibility(&mut pool, evidence).unwrap()
                 } else {
@@ -320,7 +343,7 @@ mod tests {
             let drift = ["0", rate].map(|e| pool.parse(e).unwrap()).to_vec();
             let control = ["0", input].map(|e| pool.parse(e).unwrap()).to_vec();
             let fields = VectorFields::new(states, drift, vec![control], Bindings::new()).unwrap();
-            assert!(Krylov::of(&mut pool, &fields).is_none(), "{rate} {input}");
+            assert!(Krylov::of(&pool, &fields).is_none(), "{rate} {input}");
         }
     }
 }
