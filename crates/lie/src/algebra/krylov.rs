@@ -22,6 +22,9 @@ use crate::undecided::Undecided;
 /// Seed of the point at which the drift is taken.
 const SEED: u64 = 0x6b72_796c_6f76;
 
+/// From so many states on, linear systems are recognized; with fewer, the general closure is as fast.
+pub(crate) const LARGE: usize = 41;
+
 /// The second prime is 2^61 less this.
 const OTHER_OFFSET: u64 = 1;
 
@@ -38,6 +41,11 @@ impl<'a> Krylov<'a> {
     /// None where the fields are not seen to be those of a linear system.
     pub(crate) fn of(pool: &Pool, fields: &'a VectorFields) -> Option<Self> {
         Some(Krylov { fields, linear: LinearFields::of(pool, fields)? })
+    }
+
+    /// The same for a large system; none for a small one.
+    pub(crate) fn of_large(pool: &Pool, fields: &'a VectorFields) -> Option<Self> {
+        (fields.states.len() >= LARGE).then(|| Self::of(pool, fields)).flatten()
     }
 
     /// The accessibility distribution, with the drift, or the strong one.
@@ -59,8 +67,23 @@ impl<'a> Krylov<'a> {
                 Vector::Image(of) => Word::bracket(Word::Generator(0), words[of].clone()),
             });
         }
-        let basis = self.basis(pool, &vectors)?;
+        let n = self.fields.states.len();
+        let (zero, one) = (pool.int(0), pool.int(1));
+        // Where they span everything, coordinate fields do.
+        let unit = |i: usize| -> Field { (0..n).map(|j| if i == j { one } else { zero }).collect() };
+        let full = vectors.len() == n;
+        let basis = if full { (0..n).map(unit).collect() } else { self.brackets(pool, &vectors)? };
         Ok(Closure { growth, basis, words })
+    }
+
+    /// The dimensions of span{ad_f^j g_i, j ≤ k}, and brackets of which the first so many span it.
+    ///
+    /// # Errors
+    /// [`Undecided`] at a limit.
+    pub(crate) fn flag(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<(Vec<usize>, Vec<Field>), Undecided> {
+        let Chosen { growth, vectors } = self.choose(pool, false, evidence)?;
+        let brackets = self.brackets(pool, &vectors)?;
+        Ok((growth, brackets))
     }
 
     /// The growth of its dimension alone, which takes no more memory than the vectors have entries.
@@ -140,13 +163,9 @@ impl<'a> Krylov<'a> {
         Ok(Chosen { growth, vectors })
     }
 
-    /// Fields that span the distribution: coordinate fields where it is everything, else the brackets themselves.
-    fn basis(&self, pool: &mut Pool, vectors: &[Vector]) -> Result<Vec<Field>, Undecided> {
-        let n = self.fields.states.len();
-        let (zero, one) = (pool.int(0), pool.int(1));
-        if vectors.len() == n {
-            return Ok((0..n).map(|i| (0..n).map(|j| if i == j { one } else { zero }).collect()).collect());
-        }
+    /// The vectors as fields, exactly.
+    fn brackets(&self, pool: &mut Pool, vectors: &[Vector]) -> Result<Vec<Field>, Undecided> {
+        let (n, zero) = (self.fields.states.len(), pool.int(0));
         let first = pool.len();
         let mut exact: Vec<Sparse<Rational>> = Vec::with_capacity(vectors.len());
         let mut made: Vec<Field> = Vec::with_capacity(vectors.len());
@@ -318,7 +337,8 @@ mod tests {
             let fields = VectorFields::new(states, drift, controls, bindings).unwrap();
             let evidence = &mut Evidence::default();
             for with_drift in [true, false] {
-                let found = Krylov::of(&pool, &fields).unwrap().close(&mut pool, with_drift, evidence).unwrap();
+                let linear = Krylov::of(&pool, &fields).unwrap();
+                let found = linear.close(&mut pool, with_drift, evidence).unwrap();
                 let expected = if with_drift {
                     fields.accessibility(&mut pool, evidence).unwrap()
                 } else {
@@ -326,6 +346,16 @@ mod tests {
                 };
                 prop_assert_eq!(&found.growth, &expected.growth);
                 prop_assert_eq!(&found.words, &expected.words);
+                if !with_drift {
+                    let (dims, brackets) = linear.flag(&mut pool, evidence).unwrap();
+                    let flag = fields.linearization_flag(&mut pool, evidence).unwrap();
+                    prop_assert_eq!(&dims, &flag.dims);
+                    prop_assert!(flag.involutive.iter().all(|i| *i) && flag.involutive.len() == dims.len());
+                    for dim in dims {
+                        let rank = pool.rank(&brackets[..dim], &fields.bindings).unwrap().rank;
+                        prop_assert!(dim == 0 || rank == dim);
+                    }
+                }
                 let both = [&found.basis[..], &expected.basis].concat();
                 if !both.is_empty() {
                     let rank = pool.rank(&both, &fields.bindings).unwrap().rank;

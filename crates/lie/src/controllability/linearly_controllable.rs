@@ -7,9 +7,10 @@ use bracketry_system::Point;
 
 use crate::algebra::closure::Closure;
 use crate::algebra::field::{Field, VectorFields};
+use crate::algebra::krylov::LARGE;
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local_accessibility::Frame;
-use crate::controllability::uninfluenced::{LARGE, Reach};
+use crate::controllability::uninfluenced::Reach;
 use crate::error::Error;
 use crate::evidence::Evidence;
 

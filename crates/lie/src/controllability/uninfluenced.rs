@@ -78,9 +78,6 @@ impl VectorFields {
     }
 }
 
-/// From so many states on, linear systems are recognized; with fewer, the general closure is as fast.
-pub(crate) const LARGE: usize = 41;
-
 /// The distributions that the inputs generate at a generic point.
 pub(crate) struct Reach {
     pub(crate) all: Result<Closure, Undecided>,
@@ -92,8 +89,7 @@ pub(crate) struct Reach {
 impl Reach {
     /// `first` is how many nodes the pool had made when the analysis began.
     pub(crate) fn of(pool: &mut Pool, fields: &VectorFields, first: usize, evidence: &mut Evidence) -> Reach {
-        let large = fields.states.len() >= LARGE;
-        if let Some(linear) = large.then(|| Krylov::of(pool, fields)).flatten() {
+        if let Some(linear) = Krylov::of_large(pool, fields) {
             let all = linear.close(pool, true, evidence);
             return Reach { all, strong: linear.close(pool, false, evidence), not_closed: None };
         }

@@ -4,6 +4,7 @@ use bracketry_symbolic::{Expr, Pool};
 
 use crate::algebra::field::{Field, VectorFields, bracket};
 use crate::algebra::integrals::search::integrals_of_involutive;
+use crate::algebra::krylov::Krylov;
 use crate::algebra::matrix::generic_rank;
 use crate::algebra::merge::merge_equal;
 use crate::algebra::rational::readable::tidy;
@@ -51,6 +52,12 @@ impl VectorFields {
     /// question of linearizability is settled.
     pub fn linearization_flag(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<LinearizationFlag, Undecided> {
         let n = self.states.len();
+        if let Some(linear) = Krylov::of_large(pool, self) {
+            // Constant fields commute.
+            let (dims, basis) = linear.flag(pool, evidence)?;
+            let involutive = vec![true; dims.len()];
+            return Ok(LinearizationFlag { dims, involutive, basis, states: n });
+        }
         let basis = independent(pool, &self.controls, &self.bindings, evidence)?;
         let mut flag = LinearizationFlag { dims: vec![basis.len()], involutive: Vec::new(), basis, states: n };
         let first = pool.len();
