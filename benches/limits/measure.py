@@ -134,31 +134,31 @@ def power(exponent):
 
 
 CASES = [
-    *((f"chain of {n} masses, {kind}", "analyze", chain(n, kind == "cubic")) for n in (40, 100, 300) for kind in ("linear", "cubic")),
-    *((f"consensus of {n}", "analyze", consensus(n)) for n in (40, 100, 300)),
-    *((f"linear network of {n}", "analyze", network(n)) for n in (40, 100, 300, 1000)),
-    *((f"dense linear system of {n}", "analyze", dense(n)) for n in (16, 60)),
-    ("quotients of 16 states", "analyze", quotients(16)),
-    *((f"chain of {n:,} integrators", "analyze", integrators(n)) for n in (1000, 10_000, 100_000)),
-    ("ring of 400 sines", "analyze", ring_of_sines(400)),
-    *((f"ring of {n} oscillators", "analyze", oscillators(n)) for n in (40, 100)),
-    *((f"bilinear, {n} inputs", "analyze", bilinear(n)) for n in (100, 700)),
-    ("definitions 3000 deep", "analyze", nested(3000)),
-    *((f"y^{exponent}", "analyze", power(exponent)) for exponent in (1000, 10**9)),
-    ("ring of 400 sines", "affinize", ring_of_sines(400)),
-    ("sum of 400 sines", "affinize", sum_of_sines(400)),
-    ("400 sines of an input", "affinize", sines_of_inputs(400)),
-    ("chain of 100,000 integrators", "affinize", integrators(100_000)),
-    *((f"chain of {n} masses, linear", "linearize", chain(n, False)) for n in (40, 100)),
-    ("dense linear system of 32", "linearize", dense(32)),
-    ("definitions 300 deep", "certify", nested(300)),
-    ("definitions 3000 deep", "certify", nested(3000)),
-    ("chain of 40 masses, cubic", "certify", chain(40, True)),
-    ("dense linear system of 60", "certify", dense(60)),
-    ("y^1000000000", "certify", power(10**9)),
-    ("chain of 40 masses, cubic", "trim", chain(40, True)),
-    ("chain of 40 masses, linear", "transform --to brunovsky", chain(40, False)),
-    ("definitions 300 deep", "transform --to brunovsky", nested(300)),
+    *((f"chain of {n} masses, {kind}", "analyze", lambda n=n, kind=kind: chain(n, kind == "cubic")) for n in (40, 100, 300) for kind in ("linear", "cubic")),
+    *((f"consensus of {n}", "analyze", lambda n=n: consensus(n)) for n in (40, 100, 300)),
+    *((f"linear network of {n}", "analyze", lambda n=n: network(n)) for n in (40, 100, 300, 1000)),
+    *((f"dense linear system of {n}", "analyze", lambda n=n: dense(n)) for n in (16, 60)),
+    ("quotients of 16 states", "analyze", lambda: quotients(16)),
+    *((f"chain of {n:,} integrators", "analyze", lambda n=n: integrators(n)) for n in (1000, 10_000, 100_000)),
+    ("ring of 400 sines", "analyze", lambda: ring_of_sines(400)),
+    *((f"ring of {n} oscillators", "analyze", lambda n=n: oscillators(n)) for n in (40, 100)),
+    *((f"bilinear, {n} inputs", "analyze", lambda n=n: bilinear(n)) for n in (100, 700)),
+    ("definitions 3000 deep", "analyze", lambda: nested(3000)),
+    *((f"y^{exponent}", "analyze", lambda exponent=exponent: power(exponent)) for exponent in (1000, 10**9)),
+    ("ring of 400 sines", "affinize", lambda: ring_of_sines(400)),
+    ("sum of 400 sines", "affinize", lambda: sum_of_sines(400)),
+    ("400 sines of an input", "affinize", lambda: sines_of_inputs(400)),
+    ("chain of 100,000 integrators", "affinize", lambda: integrators(100_000)),
+    *((f"chain of {n} masses, linear", "linearize", lambda n=n: chain(n, False)) for n in (40, 100)),
+    ("dense linear system of 32", "linearize", lambda: dense(32)),
+    ("definitions 300 deep", "certify", lambda: nested(300)),
+    ("definitions 3000 deep", "certify", lambda: nested(3000)),
+    ("chain of 40 masses, cubic", "certify", lambda: chain(40, True)),
+    ("dense linear system of 60", "certify", lambda: dense(60)),
+    ("y^1000000000", "certify", lambda: power(10**9)),
+    ("chain of 40 masses, cubic", "trim", lambda: chain(40, True)),
+    ("chain of 40 masses, linear", "transform --to brunovsky", lambda: chain(40, False)),
+    ("definitions 300 deep", "transform --to brunovsky", lambda: nested(300)),
 ]
 
 
@@ -197,10 +197,10 @@ def main():
     rows = ["| model | command | answer | exit code | time | peak memory |", "|---|---|---|---|---|---|"]
     print(*rows, sep="\n")
     with tempfile.TemporaryDirectory() as folder:
-        for name, command, text in CASES:
+        for name, command, make in CASES:
             if options.only and options.only not in f"{name} {command}":
                 continue
-            found, code, seconds, megabytes = measure(command, text, pathlib.Path(folder))
+            found, code, seconds, megabytes = measure(command, make(), pathlib.Path(folder))
             rows.append(f"| {name} | `{command}` | {found} | {code} | {seconds:.2f} s | {megabytes:.0f} MB |")
             print(rows[-1], flush=True)
     if options.record:
