@@ -3,7 +3,7 @@
 use crate::common::{Numbers, model, reached, system};
 use bracketry_steer::from_rest::{
     Answer, Bound, FromRest, FromRestError, FromRestOptions, FromRestReason, Holds, Motion, Proof, Shape, from_rest,
-    margin,
+    from_rest_map, margin,
 };
 use bracketry_steer::{SteerMethod, SteerOptions, Steering, own_inputs};
 use bracketry_symbolic::Rational;
