@@ -295,6 +295,9 @@ fn the_cone_of_a_puck_is_a_disk() {
     for (a, b, m) in [(3, 4, 5), (5, 12, 13), (8, 15, 17), (20, 21, 29)] {
         assert_eq!(motions(&under(&puck(m), bounds(a, b, 0.0))), [Motion::Never; 2]);
         assert_eq!(motions(&under(&puck(m), bounds(a, b, 0.001))), [Motion::Open; 2]);
+        // Both accelerations together move it where none of them does alone.
+        let together = under(&puck(m), bounds(a, b, 0.1));
+        assert_eq!(together.answer, EVIDENCE, "{a} {b} {:?}", together.reason);
         let both = under(&puck(m), bounds(m, m, 1.0));
         assert_eq!(both.answer, PROVEN);
         assert!(both.back.unwrap().error < 1e-9 && both.grid.unwrap().points[0].reach > 0.0);
