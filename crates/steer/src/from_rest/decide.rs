@@ -5,7 +5,7 @@ use std::time::Instant;
 use bracketry_system::System;
 
 use super::bounds::{Bound, Span, derivative_name};
-use super::displacement::Plant;
+use super::displacement::{Displaced, Plant};
 use super::driven;
 use super::error::FromRestError;
 use super::grid::{Family, grid};
@@ -17,6 +17,8 @@ use super::result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOp
 use super::span::{ROUNDING, Spanned, is_displaced, sizes, spanned};
 use super::strokes::{self, Loop};
 
+/// A little shorter.
+const SLIGHTLY: f64 = 0.995;
 /// Durations of loops, relative to the full ones, at which displacements are computed.
 const SHORTER: [f64; 4] = [0.9, 0.5, 0.25, 0.125];
 
@@ -79,6 +81,7 @@ pub(crate) fn decided(
     let held = global(model);
     let mut strokes = Vec::new();
     let mut loops = Vec::new();
+    let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
     let (mut tried, mut stopped) = (0, false);
     let open: Vec<usize> = (0..held.motions.len()).filter(|&c| held.motions[c] != Motion::Never).collect();
     let slow = if open.is_empty() { Vec::new() } else { strokes::slow_accelerations(model) };
@@ -92,7 +95,11 @@ pub(crate) fn decided(
                 break;
             }
             tried += 1;
-            if let Some(found) = examined(model, plant, &stroke, depth) {
+            // A motion that the simulator cannot follow is tried a little shorter.
+            let tried = [1.0, SLIGHTLY].into_iter().map(|scale| stroke.scaled(scale));
+            let run = tried.into_iter().find_map(|s| Some((plant.displaced(model, &at, &s, 1.0)?, s)));
+            let Some((whole, stroke)) = run else { continue };
+            if let Some(found) = examined(model, plant, &stroke, whole, depth) {
                 strokes.push(found);
                 loops.push(stroke.clone());
             }
@@ -115,7 +122,6 @@ pub(crate) fn decided(
         found.grid = grid(&of, plant, || limit.is_over());
         if let Some(grid) = &found.grid {
             let used: Vec<Loop> = grid.loops.iter().map(|&k| loops[k].clone()).collect();
-            let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
             let is_over = || limit.is_over();
             let mut meeting = Meeting { model, plant, loops: &used, sizes: &found.sizes, is_over: &is_over };
             let back = meeting.returned(&at, &found.moving);
@@ -132,10 +138,9 @@ pub(crate) fn global(model: &mut RestModel) -> Held {
     Test::new(model, &inputs, Where::Anywhere).run()
 }
 
-/// What a loop does; `None` if it moves nothing, or does not end at rest.
-fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, depth: Depth) -> Option<Stroke> {
+/// What a loop does with this displacement; `None` if it moves nothing.
+fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, whole: Displaced, depth: Depth) -> Option<Stroke> {
     let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
-    let whole = plant.displaced(model, &at, stroke, 1.0)?;
     let mut displacements = vec![Displacement { scale: 1.0, change: whole.change.clone() }];
     for &scale in if depth == Depth::Full { &SHORTER[..] } else { &[] } {
         let Some(found) = plant.displaced(model, &at, stroke, scale) else { break };

@@ -108,6 +108,13 @@ impl Loop {
         self.pieces.iter().map(|p| p.1).sum()
     }
 
+    /// The loop with all durations times `scale`.
+    pub(crate) fn scaled(&self, scale: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.pieces.iter_mut().for_each(|(_, duration)| *duration *= scale);
+        scaled
+    }
+
     /// The loop with all durations times `scale`, and a pause at the end.
     pub(crate) fn signals(&self, model: &RestModel, scale: f64, pause: f64) -> Signals {
         let (mut times, mut values, mut t) = (Vec::new(), Vec::new(), 0.0);
