@@ -365,7 +365,7 @@ impl<'a> Test<'a> {
         // Friction that has the form of its law only for these values of parameters is shown with them.
         let forces = self.forces(group, &symbolic, still).or_else(|| self.forces(group, &valued, still));
         if let Some(forces) = forces {
-            let named = self.derivative_names();
+            let named = self.written_names();
             let pool = &mut self.model.system.pool;
             list = pool.substitute_all(&forces.rates, &named).into_iter().map(|e| pool.text(e)).collect();
             friction = forces.friction.map(|b| {
@@ -376,8 +376,8 @@ impl<'a> Test<'a> {
         Cone { velocities: names, rates: list, friction, holds: holds[group] }
     }
 
-    /// Symbols of derivatives of inputs as they are written in a model file.
-    fn derivative_names(&mut self) -> FxHashMap<Expr, Expr> {
+    /// Symbols of derivatives of inputs, signs, and directions as they are written in a model file.
+    fn written_names(&mut self) -> FxHashMap<Expr, Expr> {
         let pool = &mut self.model.system.pool;
         let mut map = FxHashMap::default();
         for channel in &self.model.channels {
@@ -387,6 +387,10 @@ impl<'a> Test<'a> {
                     map.insert(pool.sym(*s), pool.sym(name));
                 }
             }
+        }
+        for (symbol, name) in &self.model.written {
+            let shown = pool.symbol(name);
+            map.insert(pool.sym(*symbol), pool.sym(shown));
         }
         map
     }
