@@ -17,6 +17,7 @@ use super::result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOp
 use super::span::{ROUNDING, Spanned, is_displaced, sizes, spanned};
 use super::strokes::{self, Loop};
 
+const EVIDENCE: Answer = Answer::Yes { proof: Proof::Evidence };
 /// A little shorter.
 const SLIGHTLY: f64 = 0.995;
 /// Durations of loops, relative to the full ones, at which displacements are computed.
@@ -65,7 +66,7 @@ pub(crate) enum Depth {
     Answers,
 }
 
-/// The answer for a model with its bounds.
+/// The answer for a model with its bounds. Where the loops that span the coordinates are no evidence, all are tried.
 pub(crate) fn decided(
     name: &str,
     model: &mut RestModel,
@@ -73,6 +74,14 @@ pub(crate) fn decided(
     depth: Depth,
     limit: Limit<'_>,
 ) -> FromRest {
+    let found = decided_at(name, model, plant, depth, limit);
+    if depth == Depth::Answers && found.reason == Some(FromRestReason::NoReturn) {
+        return decided_at(name, model, plant, Depth::Full, limit);
+    }
+    found
+}
+
+fn decided_at(name: &str, model: &mut RestModel, plant: &mut Plant, depth: Depth, limit: Limit<'_>) -> FromRest {
     let home: Vec<Vec<Span>> = model.channels.iter().map(Channel::at_home).collect();
     let at_home = Test::new(model, &home, Where::Anywhere).run();
     if at_home.motions.iter().any(|m| *m != Motion::Never) {
@@ -109,7 +118,8 @@ pub(crate) fn decided(
         }
     }
     let mut found = answered(name, model, held, strokes, tried, stopped);
-    if depth == Depth::Full && !found.moving.is_empty() {
+    let is_evidence = found.coordinates.iter().any(|c| c.answer == EVIDENCE);
+    if (depth == Depth::Full || is_evidence) && !found.moving.is_empty() {
         let changes: Vec<Vec<f64>> = found.strokes.iter().map(|s| s.displacements[0].change.clone()).collect();
         let of = Family {
             model,
@@ -258,9 +268,8 @@ impl FromRest {
         if carries || self.back.is_some() {
             return;
         }
-        let evidence = Answer::Yes { proof: Proof::Evidence };
         for answer in self.coordinates.iter_mut().map(|c| &mut c.answer).chain([&mut self.answer]) {
-            if *answer == evidence {
+            if *answer == EVIDENCE {
                 *answer = Answer::Unknown;
                 self.reason = Some(if stopped { FromRestReason::Stopped } else { FromRestReason::NoReturn });
             }
