@@ -66,6 +66,8 @@ mod documents {
     struct Parameters;
     #[doc = include_str!("../docs/export.md")]
     struct Export;
+    #[doc = include_str!("../docs/from_rest.md")]
+    struct FromRest;
     #[doc = include_str!("../docs/identifiability.md")]
     struct Identifiability;
 }

@@ -52,10 +52,10 @@ fn a_map_tells_where_a_no_becomes_a_yes() {
     assert!(out.join("from_rest_map.png").exists());
     let threshold = &map["thresholds"][0];
     let (no, yes) = (threshold["no_up_to"].as_f64().unwrap(), threshold["yes_from"].as_f64().unwrap());
-    // g sin Θ + 2 s Θ α = μ (g cos Θ − s α) at s = 0.1 m, α = 5 rad/s².
-    let excess = |tilt: f64| 9.81 * tilt.sin() + tilt - 0.2 * (9.81 * tilt.cos() - 0.5);
+    // g sin Θ = μ (g cos Θ − s α) at s = 0.1 m, α = 5 rad/s².
+    let excess = |tilt: f64| 9.81 * tilt.sin() - 0.2 * (9.81 * tilt.cos() - 0.5);
     assert!(excess(no).abs() < 1e-5, "{no}");
-    assert!(no < yes && yes < 1.3 * no, "{no} {yes}");
+    assert!(no < yes && yes < 1.01 * no, "{no} {yes}");
 }
 
 #[test]

@@ -76,8 +76,8 @@ def steer(
 ) -> Steering:
     """Finds inputs that move the model from `start` (its point, if none is given) to `goal`.
 
-    States that are not named are 0. Whatever the method, the end error is that of a simulation of the model. The method "loops" needs
-    `bounds` of inputs and of their derivatives, such as ``{"der(X,2)": (-4, 4)}``.
+    States that are not named are 0. Whatever the method, the end error is that of a simulation of the model. The
+    method "loops" needs `bounds` of inputs and of their derivatives, such as ``{"der(X,2)": (-4, 4)}``.
 
     Returns
     -------

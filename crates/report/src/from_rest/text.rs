@@ -35,6 +35,13 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
                 readable(*slow)
             )
         }
+        Shape::Diagonal { fast: [a, b], slow: [c, d] } => format!(
+            "{inputs} accelerate together at {} and {}, and come back one after the other within {} and {}",
+            readable(*a),
+            readable(*b),
+            readable(*c),
+            readable(*d)
+        ),
         Shape::Lift { peak, shaken } => {
             let there = if *shaken { ", shakes a little" } else { "" };
             format!("{inputs} goes off by {}{there}, and comes back", readable(*peak))

@@ -5,7 +5,7 @@ use std::time::Instant;
 use bracketry_system::System;
 
 use super::bounds::{Bound, Span, derivative_name};
-use super::displacement::Plant;
+use super::displacement::{Displaced, Plant};
 use super::driven;
 use super::error::FromRestError;
 use super::grid::{Family, grid};
@@ -17,6 +17,9 @@ use super::result::{Answer, CoordinateAnswer, Displacement, FromRest, FromRestOp
 use super::span::{ROUNDING, Spanned, is_displaced, sizes, spanned};
 use super::strokes::{self, Loop};
 
+const EVIDENCE: Answer = Answer::Yes { proof: Proof::Evidence };
+/// A little shorter.
+const SLIGHTLY: f64 = 0.995;
 /// Durations of loops, relative to the full ones, at which displacements are computed.
 const SHORTER: [f64; 4] = [0.9, 0.5, 0.25, 0.125];
 
@@ -63,7 +66,7 @@ pub(crate) enum Depth {
     Answers,
 }
 
-/// The answer for a model with its bounds.
+/// The answer for a model with its bounds. Where the loops that span the coordinates are no evidence, all are tried.
 pub(crate) fn decided(
     name: &str,
     model: &mut RestModel,
@@ -71,6 +74,14 @@ pub(crate) fn decided(
     depth: Depth,
     limit: Limit<'_>,
 ) -> FromRest {
+    let found = decided_at(name, model, plant, depth, limit);
+    if depth == Depth::Answers && found.reason == Some(FromRestReason::NoReturn) {
+        return decided_at(name, model, plant, Depth::Full, limit);
+    }
+    found
+}
+
+fn decided_at(name: &str, model: &mut RestModel, plant: &mut Plant, depth: Depth, limit: Limit<'_>) -> FromRest {
     let home: Vec<Vec<Span>> = model.channels.iter().map(Channel::at_home).collect();
     let at_home = Test::new(model, &home, Where::Anywhere).run();
     if at_home.motions.iter().any(|m| *m != Motion::Never) {
@@ -79,6 +90,7 @@ pub(crate) fn decided(
     let held = global(model);
     let mut strokes = Vec::new();
     let mut loops = Vec::new();
+    let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
     let (mut tried, mut stopped) = (0, false);
     let open: Vec<usize> = (0..held.motions.len()).filter(|&c| held.motions[c] != Motion::Never).collect();
     let slow = if open.is_empty() { Vec::new() } else { strokes::slow_accelerations(model) };
@@ -92,7 +104,11 @@ pub(crate) fn decided(
                 break;
             }
             tried += 1;
-            if let Some(found) = examined(model, plant, &stroke, depth) {
+            // A motion that the simulator cannot follow is tried a little shorter.
+            let tried = [1.0, SLIGHTLY].into_iter().map(|scale| stroke.scaled(scale));
+            let run = tried.into_iter().find_map(|s| Some((plant.displaced(model, &at, &s, 1.0)?, s)));
+            let Some((whole, stroke)) = run else { continue };
+            if let Some(found) = examined(model, plant, &stroke, whole, depth) {
                 strokes.push(found);
                 loops.push(stroke.clone());
             }
@@ -102,7 +118,8 @@ pub(crate) fn decided(
         }
     }
     let mut found = answered(name, model, held, strokes, tried, stopped);
-    if depth == Depth::Full && !found.moving.is_empty() {
+    let is_evidence = found.coordinates.iter().any(|c| c.answer == EVIDENCE);
+    if (depth == Depth::Full || is_evidence) && !found.moving.is_empty() {
         let changes: Vec<Vec<f64>> = found.strokes.iter().map(|s| s.displacements[0].change.clone()).collect();
         let of = Family {
             model,
@@ -115,7 +132,6 @@ pub(crate) fn decided(
         found.grid = grid(&of, plant, || limit.is_over());
         if let Some(grid) = &found.grid {
             let used: Vec<Loop> = grid.loops.iter().map(|&k| loops[k].clone()).collect();
-            let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
             let is_over = || limit.is_over();
             let mut meeting = Meeting { model, plant, loops: &used, sizes: &found.sizes, is_over: &is_over };
             let back = meeting.returned(&at, &found.moving);
@@ -132,10 +148,9 @@ pub(crate) fn global(model: &mut RestModel) -> Held {
     Test::new(model, &inputs, Where::Anywhere).run()
 }
 
-/// What a loop does; `None` if it moves nothing, or does not end at rest.
-fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, depth: Depth) -> Option<Stroke> {
+/// What a loop does with this displacement; `None` if it moves nothing.
+fn examined(model: &mut RestModel, plant: &mut Plant, stroke: &Loop, whole: Displaced, depth: Depth) -> Option<Stroke> {
     let at: Vec<f64> = model.at.iter().map(|e| e.value).collect();
-    let whole = plant.displaced(model, &at, stroke, 1.0)?;
     let mut displacements = vec![Displacement { scale: 1.0, change: whole.change.clone() }];
     for &scale in if depth == Depth::Full { &SHORTER[..] } else { &[] } {
         let Some(found) = plant.displaced(model, &at, stroke, scale) else { break };
@@ -253,9 +268,8 @@ impl FromRest {
         if carries || self.back.is_some() {
             return;
         }
-        let evidence = Answer::Yes { proof: Proof::Evidence };
         for answer in self.coordinates.iter_mut().map(|c| &mut c.answer).chain([&mut self.answer]) {
-            if *answer == evidence {
+            if *answer == EVIDENCE {
                 *answer = Answer::Unknown;
                 self.reason = Some(if stopped { FromRestReason::Stopped } else { FromRestReason::NoReturn });
             }

@@ -12,6 +12,11 @@ use super::strokes::Loop;
 const POINTS: usize = 3;
 /// Most points of the grid.
 const MAX_POINTS: usize = 27;
+/// Lengths of shorter loops that are enough to compare.
+const ENOUGH: usize = 3;
+/// Bisections of the length from which on a loop moves something, and lengths above it, as parts of what is left.
+const BISECTIONS: usize = 10;
+const BETWEEN: [f64; 4] = [0.05, 0.2, 0.5, 0.8];
 /// Change of a coordinate in a difference quotient.
 const DIFFERENCE: f64 = 1e-4;
 /// A displacement below this, in units of its size, has no direction.
@@ -105,13 +110,8 @@ fn at(of: &Family<'_>, plant: &mut Plant, used: &[usize], place: Vec<f64>) -> Op
         let stroke = &of.loops[k];
         let whole = plant.displaced(of.model, &place, stroke, 1.0)?;
         let d = direction(&whole.change, of.sizes, of.moving);
-        for &scale in of.shorter {
-            let Some(part) = plant.displaced(of.model, &place, stroke, scale) else { continue };
-            let length = part.change.iter().zip(of.sizes).map(|(d, s)| if *s > 0.0 { d / s } else { 0.0 });
-            if length.map(|x| x * x).sum::<f64>().sqrt() > SHORTEST {
-                let other = direction(&part.change, of.sizes, of.moving);
-                variation = variation.max(distance(&d, &other));
-            }
+        for change in shorter_ones(of, plant, stroke, &place) {
+            variation = variation.max(distance(&d, &direction(&change, of.sizes, of.moving)));
         }
         // A change of the place changes the displacement by its derivative, and its direction by the part across it.
         let derivative = match stroke.closing {
@@ -134,6 +134,26 @@ fn at(of: &Family<'_>, plant: &mut Plant, used: &[usize], place: Vec<f64>) -> Op
     let left = (margin - variation).max(0.0);
     let reach = if slope > 0.0 { left / slope } else { f64::INFINITY };
     Some(GridPoint { at: place, margin, variation, slope, reach })
+}
+
+/// Displacements of shorter loops, as far as they move anything: where few of the given lengths do, of lengths above the one from
+/// which on they do.
+fn shorter_ones(of: &Family<'_>, plant: &mut Plant, stroke: &Loop, place: &[f64]) -> Vec<Vec<f64>> {
+    let mut moved = |scale: f64| {
+        let change = plant.displaced(of.model, place, stroke, scale)?.change;
+        let length = change.iter().zip(of.sizes).map(|(d, s)| if *s > 0.0 { d / s } else { 0.0 });
+        (length.map(|x| x * x).sum::<f64>().sqrt() > SHORTEST).then_some(change)
+    };
+    let mut list: Vec<Vec<f64>> = of.shorter.iter().filter_map(|&scale| moved(scale)).collect();
+    if list.len() < ENOUGH {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if moved(middle).is_some() { high = middle } else { low = middle }
+        }
+        list.extend(BETWEEN.iter().filter_map(|part| moved(high + part * (1.0 - high))));
+    }
+    list
 }
 
 /// The derivative of a displacement by difference quotients, `[from][to]`.

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::bounds::{Span, derivative_name};
 use super::model::{Group, Law, RestModel};
 use super::sign::{Holds, nonnegative};
+use super::speed::{SpeedLimit, speed_limit};
 
 /// How a coordinate may move from rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -68,12 +69,16 @@ pub(crate) struct Test<'a> {
     groups: Vec<Group>,
     /// Rates of the states, parameters at their values.
     rates: Vec<Expr>,
+    speeds: Vec<SpeedLimit>,
 }
 
 impl<'a> Test<'a> {
     pub(crate) fn new(model: &'a mut RestModel, inputs: Box<'a>, place: Where) -> Self {
         let (groups, rates) = (model.groups.clone(), model.valued.clone());
-        let mut test = Test { model, inputs, place, groups, rates };
+        let pool = &mut model.system.pool;
+        let channels = model.channels.iter().zip(inputs);
+        let speeds = channels.filter_map(|(channel, spans)| speed_limit(pool, channel, spans)).collect();
+        let mut test = Test { model, inputs, place, groups, rates, speeds };
         test.divide_planes();
         test
     }
@@ -290,7 +295,7 @@ impl<'a> Test<'a> {
                 return spans[order].clone();
             }
         }
-        if self.model.all_signs.contains(&s) {
+        if self.model.all_signs.contains(&s) || self.speeds.iter().any(|limit| limit.ratio == s) {
             return Span::between(-1.0, 1.0);
         }
         let coordinate = self.model.coordinates.iter().position(|&k| self.model.system.states[k] == s);
@@ -302,8 +307,20 @@ impl<'a> Test<'a> {
         }
     }
 
-    /// Whether an expression is nowhere negative for all admissible inputs while `still` are at rest.
+    /// Whether an expression is nowhere negative for all admissible inputs while `still` are at rest: over their box, or where
+    /// this does not tell, with the limits of speeds by place.
     fn nonnegative(&mut self, e: Expr, still: &[usize]) -> Holds {
+        let on_box = self.nonnegative_on_box(e, still);
+        let limits: FxHashMap<Expr, Expr> =
+            self.speeds.iter().map(|limit| (self.model.system.pool.sym(limit.speed), limit.limited)).collect();
+        let limited = self.model.system.pool.substitute(e, &limits);
+        if on_box == Holds::Always || limited == e {
+            return on_box;
+        }
+        self.nonnegative_on_box(limited, still)
+    }
+
+    fn nonnegative_on_box(&mut self, e: Expr, still: &[usize]) -> Holds {
         let fixed = self.fixed(still);
         let symbols = self.model.system.pool.symbols_of(&[e]);
         let spans: Vec<Span> = symbols.iter().map(|&s| self.span_of(s, &fixed)).collect();
@@ -348,7 +365,7 @@ impl<'a> Test<'a> {
         // Friction that has the form of its law only for these values of parameters is shown with them.
         let forces = self.forces(group, &symbolic, still).or_else(|| self.forces(group, &valued, still));
         if let Some(forces) = forces {
-            let named = self.derivative_names();
+            let named = self.written_names();
             let pool = &mut self.model.system.pool;
             list = pool.substitute_all(&forces.rates, &named).into_iter().map(|e| pool.text(e)).collect();
             friction = forces.friction.map(|b| {
@@ -359,8 +376,8 @@ impl<'a> Test<'a> {
         Cone { velocities: names, rates: list, friction, holds: holds[group] }
     }
 
-    /// Symbols of derivatives of inputs as they are written in a model file.
-    fn derivative_names(&mut self) -> FxHashMap<Expr, Expr> {
+    /// Symbols of derivatives of inputs, signs, and directions as they are written in a model file.
+    fn written_names(&mut self) -> FxHashMap<Expr, Expr> {
         let pool = &mut self.model.system.pool;
         let mut map = FxHashMap::default();
         for channel in &self.model.channels {
@@ -370,6 +387,10 @@ impl<'a> Test<'a> {
                     map.insert(pool.sym(*s), pool.sym(name));
                 }
             }
+        }
+        for (symbol, name) in &self.model.written {
+            let shown = pool.symbol(name);
+            map.insert(pool.sym(*symbol), pool.sym(shown));
         }
         map
     }

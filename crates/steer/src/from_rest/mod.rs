@@ -30,6 +30,7 @@ mod reason;
 mod result;
 mod sign;
 pub(crate) mod span;
+mod speed;
 pub(crate) mod strokes;
 
 pub use bounds::Bound;

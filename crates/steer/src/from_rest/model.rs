@@ -1,7 +1,7 @@
 //! A model at rest: coordinates, velocities, what friction holds them, and the bounds of the inputs.
 
 use bracketry_symbolic::{Bindings, Expr, Node, Rational, Symbol};
-use bracketry_system::{SwitchKind, System};
+use bracketry_system::{SwitchKind, SwitchedForm, System};
 use rustc_hash::FxHashMap;
 
 use super::bounds::{Bound, End, Span, derivative_name};
@@ -82,8 +82,9 @@ pub(crate) struct RestModel {
     pub(crate) groups: Vec<Group>,
     /// Symbols of signs by state for groups with friction.
     pub(crate) signs: FxHashMap<usize, Symbol>,
-    /// All symbols that stand for set-valued signs, each between −1 and 1.
+    /// All symbols that stand for set-valued signs, each between −1 and 1, and how they are written in a model file.
     pub(crate) all_signs: Vec<Symbol>,
+    pub(crate) written: Vec<(Symbol, String)>,
     /// Values of the coordinates at the point.
     pub(crate) at: Vec<End>,
     /// Bounds of coordinates, where given.
@@ -103,6 +104,7 @@ impl RestModel {
         let rates = form.dynamics[..own_states].to_vec();
         let valued = system.with_values(&rates);
         let all_signs = form.switches.iter().map(|s| s.sign).collect();
+        let written = written(&form);
         let mut model = RestModel {
             own_states,
             rates,
@@ -113,6 +115,7 @@ impl RestModel {
             groups: Vec::new(),
             signs: FxHashMap::default(),
             all_signs,
+            written,
             at: Vec::new(),
             region: Vec::new(),
             system,
@@ -236,7 +239,7 @@ impl RestModel {
     }
 
     /// Which velocities share a friction force.
-    fn group(&mut self, form: &bracketry_system::SwitchedForm) -> Option<FromRestReason> {
+    fn group(&mut self, form: &SwitchedForm) -> Option<FromRestReason> {
         let mut groups: Vec<Group> = Vec::new();
         let lone = |model: &mut Self, e: Expr| -> Option<(usize, Expr)> {
             let e = model.system.with_values(&[e])[0];
@@ -315,6 +318,20 @@ impl RestModel {
         let near = || Span::between(at - NEIGHBORHOOD, at + NEIGHBORHOOD);
         self.region[coordinate].clone().unwrap_or_else(near)
     }
+}
+
+/// Signs and directions as they are written in a model file.
+fn written(form: &SwitchedForm) -> Vec<(Symbol, String)> {
+    let mut list: Vec<(Symbol, String)> = form.signs().iter().map(|s| (s.sign, format!("sign({})", s.name))).collect();
+    for vector in &form.unit_vectors {
+        let components = &form.switches[vector.switches.clone()];
+        for own in components {
+            let others = components.iter().filter(|c| c.sign != own.sign).map(|c| c.name.as_str());
+            let names: Vec<&str> = std::iter::once(own.name.as_str()).chain(others).collect();
+            list.push((own.sign, format!("unit({})", names.join(", "))));
+        }
+    }
+    list
 }
 
 /// Adds a group; groups that share velocities become one.

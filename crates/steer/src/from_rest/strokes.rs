@@ -54,6 +54,13 @@ pub enum Shape {
         /// Whether the second input is shaken a little meanwhile.
         shaken: bool,
     },
+    /// Two inputs accelerate together, and come back one after the other.
+    Diagonal {
+        /// Their accelerations.
+        fast: [f64; 2],
+        /// Sizes of their accelerations on the way back.
+        slow: [f64; 2],
+    },
     /// Two inputs go off and back, together; a second time, with the opposite sign of the second input, if a velocity has no
     /// friction of its own.
     Together {
@@ -99,6 +106,13 @@ impl Loop {
 
     pub(crate) fn duration(&self) -> f64 {
         self.pieces.iter().map(|p| p.1).sum()
+    }
+
+    /// The loop with all durations times `scale`.
+    pub(crate) fn scaled(&self, scale: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.pieces.iter_mut().for_each(|(_, duration)| *duration *= scale);
+        scaled
     }
 
     /// The loop with all durations times `scale`, and a pause at the end.
@@ -203,6 +217,10 @@ pub(crate) fn pairs(model: &RestModel, slow: &[Option<f64>]) -> Vec<Loop> {
             if i == j || model.channels[i].order() != 2 || model.channels[j].order() != 2 || driven.len() > 1 {
                 continue;
             }
+            if i < j {
+                let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+                list.extend(signs.iter().filter_map(|&(a, b)| diagonal(model, [i, j], [a, b], slow)));
+            }
             let limit = |c: &Channel| room(c, 2, true).min(room(c, 2, false));
             let (first, second) = (limit(&model.channels[i]), CLOSING * limit(&model.channels[j]));
             for a in [Some(first), slow[i]].into_iter().flatten().filter(|a| *a > 0.0 && second > 0.0) {
@@ -216,6 +234,36 @@ pub(crate) fn pairs(model: &RestModel, slow: &[Option<f64>]) -> Vec<Loop> {
         }
     }
     list
+}
+
+/// Both inputs accelerate together; then the first one comes back while the second one coasts, then the second one.
+fn diagonal(model: &RestModel, inputs: [usize; 2], signs: [f64; 2], slow: &[Option<f64>]) -> Option<Loop> {
+    let slow = [slow[inputs[0]]?, slow[inputs[1]]?];
+    let fast: [f64; 2] = std::array::from_fn(|k| signs[k] * room(&model.channels[inputs[k]], 2, signs[k] > 0.0));
+    let rest = rest_values(model);
+    let mut both = rest.clone();
+    inputs.iter().zip(fast).for_each(|(&i, a)| both[i] += a);
+    let t = FIRST_PIECE;
+    let mut pieces = vec![(both, t)];
+    let mut coasting = 0.0;
+    for k in 0..2 {
+        let channel = &model.channels[inputs[k]];
+        let (a, b) = (fast[k].abs(), slow[k]);
+        let (speed, brake) = (a * t, a * t / b);
+        let far = 0.5 * speed * t + speed * coasting + 0.5 * speed * brake;
+        let back = (far / b).sqrt();
+        let up = fast[k] > 0.0;
+        if speed > room(channel, 1, up) || far > room(channel, 0, up) || b * back > room(channel, 1, !up) {
+            return None;
+        }
+        for (value, duration) in [(-fast[k].signum() * b, brake + back), (fast[k].signum() * b, back)] {
+            let mut row = rest.clone();
+            row[inputs[k]] += value;
+            pieces.push((row, duration));
+        }
+        coasting = brake + 2.0 * back;
+    }
+    Some(Loop { shape: Shape::Diagonal { fast, slow }, moved: inputs.to_vec(), pieces, closing: None })
 }
 
 /// Input j goes off, input i accelerates there, and comes back when j is back.
