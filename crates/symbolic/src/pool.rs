@@ -7,7 +7,6 @@ use dashu_ratio::RBig;
 use hashbrown::HashTable;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
-use crate::exact::Undecided;
 use crate::func::{Func, Func2};
 use crate::stop_flag::StopFlag;
 
@@ -200,22 +199,10 @@ impl Pool {
         self.deadline
     }
 
-    /// From `deadline` on, exact decisions are [undecided](Undecided::TimeLimit), and expressions are left as they
+    /// From `deadline` on, exact decisions are [undecided](crate::Undecided::TimeLimit), and expressions are left as they
     /// are instead of being simplified. Clones of the pool have the same deadline.
     pub fn set_deadline(&mut self, deadline: Option<Instant>) {
         self.deadline = deadline;
-    }
-
-    /// Why work in this pool is to end, if it is: its [flag](Self::stop_flag) was raised or tells that
-    /// [memory runs out](StopFlag::memory_runs_out), or its [deadline](Self::set_deadline) has passed.
-    pub fn reached_limit(&self) -> Option<Undecided> {
-        if self.stop.is_raised() {
-            return Some(Undecided::Stopped);
-        }
-        if self.stop.is_out_of_memory() {
-            return Some(Undecided::MemoryLimit);
-        }
-        self.deadline.is_some_and(|end| Instant::now() >= end).then_some(Undecided::TimeLimit)
     }
 
     /// Number of distinct nodes made so far.

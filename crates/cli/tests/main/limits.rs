@@ -3,12 +3,12 @@
 
 use crate::common::{bracketry, code, file, scratch, text};
 
-/// A linear system of n states in which each rate depends on all states.
-fn dense(n: usize) -> String {
+/// Phases on a ring that attract each other: their brackets become long.
+fn oscillators(n: usize) -> String {
     let rate = |i: usize| {
-        let terms: Vec<String> =
-            (0..n).map(|j| format!("{}/{}*x{j}", (7 * i + 3 * j * j) % 19 + 1, (i + j) % 9 + 1)).collect();
-        format!("x{i} = '{} + {}*u'", terms.join(" + "), i % 7 + 1)
+        let [next, last] = [(i + 1) % n, (i + n - 1) % n];
+        let input = if i == 0 { " + u" } else { "" };
+        format!("x{i} = 'sin(x{next} - x{i}) + sin(x{last} - x{i}){input}'")
     };
     let names: Vec<String> = (0..n).map(|i| format!("'x{i}'")).collect();
     let rates: Vec<String> = (0..n).map(rate).collect();
@@ -17,7 +17,7 @@ fn dense(n: usize) -> String {
 
 #[test]
 fn beyond_its_memory_an_analysis_is_unknown_or_ends_and_names_the_option() {
-    let model = file(&scratch("memory_limit"), "dense.toml", &dense(50));
+    let model = file(&scratch("memory_limit"), "ring.toml", &oscillators(40));
     // Far below what any process takes: the process ends.
     let o = bracketry(&["analyze", &model, "--memory-limit", "1MB"]);
     let said = text(&o.stdout) + &text(&o.stderr);
@@ -30,7 +30,7 @@ fn beyond_its_memory_an_analysis_is_unknown_or_ends_and_names_the_option() {
 
 #[test]
 fn limits_are_a_size_with_a_unit_and_a_positive_time_for_every_command() {
-    let model = file(&scratch("bad_limits"), "dense.toml", &dense(2));
+    let model = file(&scratch("bad_limits"), "ring.toml", &oscillators(2));
     for size in ["3", "GB", "-1GB", "1XB", "nanGB", "1kB", "0GB"] {
         let o = bracketry(&["analyze", &model, &format!("--memory-limit={size}")]);
         assert!(code(&o) == 2 && text(&o.stderr).contains("give"), "{size}: {}", text(&o.stderr));

@@ -3,6 +3,7 @@
 //! Each statement has a proof of its own; where two of them exclude each other, one of the proofs is wrong, and neither is to be believed.
 
 use crate::controllability::stlc::Verdict;
+use crate::reason::Contradiction;
 
 /// What was found at a point, before it is told.
 #[derive(Clone, Copy, Debug)]
@@ -25,16 +26,6 @@ pub(crate) struct Statements {
     pub(crate) stabilizable: Option<bool>,
     /// Brockett's necessary condition for continuous feedback.
     pub(crate) brockett: Option<bool>,
-}
-
-/// Two statements that exclude each other. Whoever sees one has found an error of this library.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("not decided because two statements contradict each other: {first}, but {second}; please report this model")]
-pub struct Contradiction {
-    /// One statement.
-    pub first: String,
-    /// The other.
-    pub second: String,
 }
 
 impl Statements {

@@ -39,7 +39,6 @@ pub(crate) mod unbounded;
 pub(crate) mod uncontrollable;
 pub(crate) mod uninfluenced;
 
-pub use consistency::Contradiction;
 pub use input_values::{InputValues, Side};
 pub use involutive::InvolutiveClosureReport;
 pub use local_accessibility::LocalAccessibility;

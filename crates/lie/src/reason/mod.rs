@@ -1,5 +1,6 @@
 //! What verdicts rest on, and why questions stay open.
 
+mod contradiction;
 mod feedback;
 mod open;
 mod stabilizable;
@@ -7,6 +8,7 @@ mod stlc;
 mod text;
 mod zero_dynamics;
 
+pub use contradiction::Contradiction;
 pub use feedback::{FlatnessReason, MinimumPhaseReason};
 pub use open::{AtSwitch, BracketLimit, FamilyReason, Reason, SwitchingReason};
 pub use stabilizable::StabilizableReason;

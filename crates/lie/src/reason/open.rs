@@ -5,8 +5,8 @@ use std::fmt;
 use bracketry_symbolic::Function;
 
 use crate::as_text::serialized_as_text;
-use crate::controllability::consistency::Contradiction;
 use crate::error::Error;
+use crate::reason::contradiction::Contradiction;
 use crate::reason::text::equations;
 use crate::reason::zero_dynamics::NoZeroDynamics;
 use crate::undecided::Undecided;

@@ -21,6 +21,7 @@ mod roots;
 mod surd;
 
 use std::fmt;
+use std::time::Instant;
 
 use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
@@ -165,6 +166,20 @@ pub enum Undecided {
     /// Too many related functions.
     #[error("not decided because too many functions are related to each other")]
     TooComplex,
+}
+
+impl Pool {
+    /// Why work in this pool is to end, if it is: its [flag](Self::stop_flag) was raised or tells that
+    /// [memory runs out](crate::StopFlag::memory_runs_out), or its [deadline](Self::set_deadline) has passed.
+    pub fn reached_limit(&self) -> Option<Undecided> {
+        if self.stop_flag().is_raised() {
+            return Some(Undecided::Stopped);
+        }
+        if self.stop_flag().is_out_of_memory() {
+            return Some(Undecided::MemoryLimit);
+        }
+        self.deadline().is_some_and(|end| Instant::now() >= end).then_some(Undecided::TimeLimit)
+    }
 }
 
 impl Undecided {
