@@ -22,6 +22,9 @@ use crate::undecided::Undecided;
 /// Seed of the point at which the drift is taken.
 const SEED: u64 = 0x6b72_796c_6f76;
 
+/// Most products of one closure, about half a minute of them.
+const MAX_PRODUCTS: f64 = 1e10;
+
 /// From so many states on, linear systems are recognized; with fewer, the general closure is as fast.
 pub(crate) const LARGE: usize = 41;
 
@@ -153,7 +156,9 @@ impl<'a> Krylov<'a> {
                     next.push((image, vectors.len()));
                     vectors.push(Vector::Image(of));
                 }
-                evidence.spend(span.spent())?;
+                if span.products > MAX_PRODUCTS {
+                    return Err(Undecided::TooMany { products: MAX_PRODUCTS });
+                }
             }
             fresh = next;
             any = !fresh.is_empty();
@@ -230,6 +235,7 @@ struct SparseSpan<const C: u64> {
     work: Vec<Residue<C>>,
     places: BinaryHeap<Reverse<usize>>,
     listed: Vec<bool>,
+    /// Products so far.
     products: f64,
 }
 
@@ -242,11 +248,6 @@ impl<const C: u64> SparseSpan<C> {
             listed: vec![false; n],
             products: 0.0,
         }
-    }
-
-    /// Products since the last call.
-    fn spent(&mut self) -> f64 {
-        std::mem::take(&mut self.products)
     }
 
     fn add(&mut self, i: usize, x: Residue<C>) {

@@ -17,6 +17,9 @@ use crate::evidence::Evidence;
 /// Of the time that is left, the share for brackets that only tell how the dimension grows.
 const SHARE_FOR_GROWTH: u32 = 4;
 
+/// A linearization of more states takes too many products in one step.
+const MAX_STATES: usize = 600;
+
 impl Reach {
     /// [`Reach::of`] a model. Where brackets of a large system cannot be closed, a controllable linearization at its point (at the
     /// origin, of a model without one) decides: the brackets ad_f^k g_i are A^k b_i at an equilibrium, up to their sign, and what is
@@ -32,7 +35,7 @@ impl Reach {
         let mut linear = evidence.clone();
         let zero = pool.int(0);
         let origin = || Point { states: vec![zero; n], inputs: vec![zero; fields.controls.len()] };
-        let controllable = n >= LARGE && {
+        let controllable = (LARGE..=MAX_STATES).contains(&n) && {
             let point = point.cloned().unwrap_or_else(origin);
             linearly_controllable(pool, fields, &point, &mut linear).unwrap_or(false)
         };
