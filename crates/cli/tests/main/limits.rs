@@ -22,10 +22,10 @@ fn beyond_its_memory_an_analysis_is_unknown_or_ends_and_names_the_option() {
     let o = bracketry(&["analyze", &model, "--memory-limit", "1MB"]);
     let said = text(&o.stdout) + &text(&o.stderr);
     assert!(code(&o) == 1 && said.contains("memory limit of 0.001 GB") && said.contains("--memory-limit"), "{said}");
-    // Enough for the model, less than its brackets take: a report, or the same end.
+    // Enough for the model, less than all questions take: a report that says so, or the same end.
     let o = bracketry(&["analyze", &model, "--memory-limit", "60MB"]);
     let said = text(&o.stdout) + &text(&o.stderr);
-    assert!(code(&o) == 1 && said.contains("memory limit"), "{said}");
+    assert!(code(&o) < 2 && said.contains("memory limit"), "{said}");
 }
 
 #[test]
