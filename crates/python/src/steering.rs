@@ -16,8 +16,8 @@ use crate::interrupt::watched;
 use crate::model::Model;
 use crate::tables::Answer;
 
-/// Initial state and state at the end, by name.
-type Ends = (Option<String>, String);
+/// Initial state, state at the end, and bounds, by name.
+type Asked = (Option<String>, String, String);
 
 fn method_of(name: &str) -> Result<Option<SteerMethod>, Failure> {
     match name {
@@ -35,18 +35,18 @@ fn method_of(name: &str) -> Result<Option<SteerMethod>, Failure> {
 
 /// Inputs that move a model from one state to another, and the motion.
 #[pyfunction]
-#[pyo3(signature = (model, ends, bounds, duration, method, time_limit, seed))]
+#[pyo3(signature = (model, asked, duration, method, time_limit, seed))]
 pub(crate) fn steer<'py>(
     py: Python<'py>,
     model: &Bound<'py, Model>,
-    ends: Ends,
-    bounds: String,
+    asked: Asked,
     duration: Option<f64>,
     method: &str,
     time_limit: f64,
     seed: u64,
 ) -> PyResult<Bound<'py, PyDict>> {
     let given = model.get().system.clone();
+    let (start, goal, bounds) = asked;
     let method = method_of(method)?;
     if !(time_limit.is_finite() && time_limit > 0.0) {
         return Err(Failure::new(format!("time_limit is {time_limit}; give a positive number of seconds")).into());
@@ -60,7 +60,7 @@ pub(crate) fn steer<'py>(
             time_limit: Some(Duration::from_secs_f64(time_limit.min(1e6))),
             seed,
             stop: stop.clone(),
-            ..SteerOptions::named(&mut system, ends.0.as_deref(), &ends.1)?
+            ..SteerOptions::named(&mut system, start.as_deref(), &goal)?
         };
         let found = bracketry::steer::steer(&given, &options)?;
         let mut figures = Figures::default();

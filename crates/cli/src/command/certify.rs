@@ -76,7 +76,7 @@ impl CertifyArgs {
         with_feedback(&system, &self.with).with_context(|| format!("{path}: --with {}", self.with.join(" --with ")))
     }
 
-    fn options(&self, system: &System) -> anyhow::Result<CertifyOptions> {
+    fn options(&self, system: &System) -> CertifyOptions {
         let ports = !system.inputs.is_empty() && system.inputs.len() == system.outputs.len();
         let mut find = Vec::new();
         for sought in &self.find {
@@ -92,13 +92,7 @@ impl CertifyArgs {
             }
         }
         let time_limit = Some(self.time_limit.get());
-        Ok(CertifyOptions {
-            find,
-            degree: self.degree,
-            time_limit,
-            stop: system.pool.stop_flag().clone(),
-            ..CertifyOptions::default()
-        })
+        CertifyOptions { find, degree: self.degree, time_limit, stop: system.pool.stop_flag().clone() }
     }
 
     /// Indices of the states of the picture; none for a model with one state.
@@ -126,7 +120,7 @@ pub(crate) fn run(args: &CertifyArgs, output: &CommonArgs) -> anyhow::Result<Out
         return check_file(&system, path, output);
     }
     let axes = args.axes(&system)?;
-    let found = certify(&system, &args.options(&system)?).context("--degree")?;
+    let found = certify(&system, &args.options(&system)).context("--degree")?;
     let (text, value) = (certification_text(&found), json(&certification_json(&found))?);
     let mut written = Vec::new();
     if let Some(dir) = &output.out {

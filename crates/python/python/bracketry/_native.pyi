@@ -318,8 +318,7 @@ def transform(model: Model, to: str, at: str | None, outputs: Sequence[str], tim
 def export(model: Model, language: str, parameters: Sequence[str], name: str | None) -> _Export: ...
 def steer(
     model: Model,
-    ends: tuple[str | None, str],
-    bounds: str,
+    asked: tuple[str | None, str, str],
     duration: float | None,
     method: str,
     time_limit: float,

@@ -88,8 +88,8 @@ def steer(
     BracketryError
         For a name that the model does not have, or a value that cannot be read.
     """
-    ends = (None if start is None else _point(start, "start"), _point(goal, "goal"))
-    answer = _native.steer(model_of(system), ends, bounds_text(bounds, "bounds"), duration, method, time_limit, seed)
+    asked = (None if start is None else _point(start, "start"), _point(goal, "goal"), bounds_text(bounds, "bounds"))
+    answer = _native.steer(model_of(system), asked, duration, method, time_limit, seed)
     data = parsed(answer["json"])
     table = data.pop("inputs", None) or {"t": [], "hold": None, "columns": {}}
     header, rows = answer["trajectory"] or (["t"], [])
