@@ -1,7 +1,6 @@
 //! Motion from rest to rest under dry friction.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use bracketry::report::from_rest::{
     from_rest_json, from_rest_map_figure, from_rest_map_json, from_rest_map_text, from_rest_text,
@@ -13,7 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::error::Failure;
 use crate::figures::Figures;
-use crate::interrupt::watched;
+use crate::interrupt::{seconds, watched};
 use crate::model::Model;
 use crate::tables::Answer;
 
@@ -71,11 +70,4 @@ pub(crate) fn from_rest_map<'py>(
         Answer::new(&from_rest_map_json(&map), from_rest_map_text(&map), figures)
     })?;
     answer.into_dict(py)
-}
-
-fn seconds(limit: f64) -> Result<Duration, Failure> {
-    if limit.is_finite() && limit > 0.0 {
-        return Ok(Duration::from_secs_f64(limit.min(1e6)));
-    }
-    Err(Failure::new(format!("time_limit is {limit}; give a positive number of seconds")))
 }

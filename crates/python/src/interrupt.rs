@@ -58,6 +58,17 @@ pub(crate) fn watched<T: Send + 'static>(
     }
 }
 
+/// The time limit of a computation, in seconds.
+///
+/// # Errors
+/// For what is no positive number.
+pub(crate) fn seconds(limit: f64) -> Result<Duration, Failure> {
+    if limit.is_finite() && limit > 0.0 {
+        return Ok(Duration::from_secs_f64(limit.min(1e6)));
+    }
+    Err(Failure::new(format!("time_limit is {limit}; give a positive number of seconds")))
+}
+
 /// A panic is a fault of the library, whatever was asked of it.
 fn broken(panic: &(dyn Any + Send)) -> Failure {
     let message = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());

@@ -1,7 +1,5 @@
 //! Motions from one state to another.
 
-use std::time::Duration;
-
 use bracketry::report::steering::{
     steering_figure, steering_json, steering_path, steering_scenario, steering_text, steering_trajectory,
 };
@@ -12,7 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::error::Failure;
 use crate::figures::Figures;
-use crate::interrupt::watched;
+use crate::interrupt::{seconds, watched};
 use crate::model::Model;
 use crate::tables::Answer;
 
@@ -48,16 +46,14 @@ pub(crate) fn steer<'py>(
     let given = model.get().system.clone();
     let (start, goal, bounds) = asked;
     let method = method_of(method)?;
-    if !(time_limit.is_finite() && time_limit > 0.0) {
-        return Err(Failure::new(format!("time_limit is {time_limit}; give a positive number of seconds")).into());
-    }
+    let time_limit = Some(seconds(time_limit)?);
     let (answer, table, scenario, steered) = watched(py, move |stop| {
         let mut system = own_inputs(&given)?;
         let options = SteerOptions {
             bounds: if bounds.is_empty() { Vec::new() } else { Interval::list(&bounds)? },
             duration,
             method,
-            time_limit: Some(Duration::from_secs_f64(time_limit.min(1e6))),
+            time_limit,
             seed,
             stop: stop.clone(),
             ..SteerOptions::named(&mut system, start.as_deref(), &goal)?
