@@ -2,8 +2,9 @@
 //!
 //! Each rule holds at all real points at which the left-hand side has a value.
 
+use dashu_int::UBig;
 use dashu_ratio::RBig;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::func::{Func, Func2};
 use crate::pool::{Expr, Node, Pool};
@@ -26,6 +27,37 @@ impl Pool {
                 _ => None,
             };
             image.insert(n, r.unwrap_or(made));
+        }
+        let composed: Vec<Expr> = roots.iter().map(|r| image[r]).collect();
+        self.with_arctangents(&composed)
+    }
+
+    /// `roots` with asin and acos replaced by arctangents, of which several are told apart, if there are other angles.
+    fn with_arctangents(&mut self, roots: &[Expr]) -> Vec<Expr> {
+        let nodes = self.reachable(roots);
+        let (mut angles, mut replaced) = (FxHashSet::default(), false);
+        for &n in &nodes {
+            match self.node(n) {
+                Node::Call(Func::Asin | Func::Acos, a) => {
+                    angles.insert(a);
+                    replaced = true;
+                }
+                Node::Call(Func::Sin | Func::Cos | Func::Tan, a) => drop(angles.insert(a)),
+                Node::Call(Func::Atan, _) | Node::Call2(Func2::Atan2, ..) => drop(angles.insert(n)),
+                _ => {}
+            }
+        }
+        if !replaced || angles.len() < 2 {
+            return roots.to_vec();
+        }
+        let mut image: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for n in nodes {
+            let made = self.rebuild(n, |x| image[&x]);
+            let r = match self.node(made) {
+                Node::Call(f @ (Func::Asin | Func::Acos), a) => self.as_arctangent(f, a),
+                _ => made,
+            };
+            image.insert(n, r);
         }
         roots.iter().map(|r| image[r]).collect()
     }
@@ -85,12 +117,10 @@ impl Pool {
         })
     }
 
-    /// (cos cθ, sin cθ) for a rational c whose denominator is a power of 2, where −π ≤ θ ≤ π.
+    /// (cos cθ, sin cθ) for a rational c, where −π ≤ θ ≤ π.
     fn part_of_angle(&mut self, mut p: (Expr, Expr), c: &RBig) -> Option<(Expr, Expr)> {
         let halvings = c.denominator().trailing_zeros().unwrap_or(0);
-        let odd = RBig::from(c.denominator().clone() >> halvings) != RBig::ONE;
-        let n = i64::try_from(c.numerator()).ok().filter(|n| n.abs() <= MAX_MULTIPLE)?;
-        if odd || halvings > MAX_HALVINGS {
+        if halvings > MAX_HALVINGS {
             return None;
         }
         for _ in 0..halvings {
@@ -102,6 +132,15 @@ impl Pool {
             let q = self.div(p.1, c);
             p = (c, self.mul(half, q));
         }
+        let odd = c.denominator().clone() >> halvings;
+        if odd != UBig::ONE {
+            // The field has the parts of the angle of a point of the unit circle.
+            let part = self.rational(RBig::from_parts(c.numerator().clone(), odd));
+            let angle = self.call2(Func2::Atan2, p.1, p.0);
+            let angle = self.mul(part, angle);
+            return Some((self.cos(angle), self.sin(angle)));
+        }
+        let n = i64::try_from(c.numerator()).ok().filter(|n| n.abs() <= MAX_MULTIPLE)?;
         let step = if n < 0 { (p.0, self.neg(p.1)) } else { p };
         let mut point = (self.int(1), self.int(0));
         for _ in 0..n.abs() {
@@ -114,6 +153,21 @@ impl Pool {
         let (cc, ss) = (self.mul(p.0, q.0), self.mul(p.1, q.1));
         let (sc, cs) = (self.mul(p.1, q.0), self.mul(p.0, q.1));
         (self.sub(cc, ss), self.add(sc, cs))
+    }
+
+    /// asin f = atan(f/√(1 − f²)) and acos f = π/2 − asin f.
+    fn as_arctangent(&mut self, f: Func, a: Expr) -> Expr {
+        let (one, square) = (self.int(1), self.powi(a, 2));
+        let rest = self.sub(one, square);
+        let root = self.sqrt(rest);
+        let tangent = self.div(a, root);
+        let angle = self.call(Func::Atan, tangent);
+        if f == Func::Asin {
+            return angle;
+        }
+        let (half, pi) = (self.ratio(1, 2), self.pi());
+        let quarter = self.mul(half, pi);
+        self.sub(quarter, angle)
     }
 
     /// asin, acos, atan where the value is a multiple of π/12.

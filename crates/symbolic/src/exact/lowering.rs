@@ -106,7 +106,7 @@ impl<const C: u64> Lowering<'_, C> {
                     let operand = |r: Reg| self.columns[r].as_ref().and_then(|c| c[i]);
                     match step {
                         Step::Const(_) | Step::Slot(_) => {}
-                        Step::Add(a, b) | Step::Mul(a, b) => {
+                        Step::Add(a, b) | Step::Mul(a, b) | Step::Turn { x: a, y: b, .. } => {
                             operand(a)?;
                             operand(b)?;
                         }
@@ -121,7 +121,7 @@ impl<const C: u64> Lowering<'_, C> {
         self.columns.push(column);
         self.open.push(match step {
             Step::Const(_) | Step::Slot(_) => false,
-            Step::Add(a, b) | Step::Mul(a, b) => self.open[a] || self.open[b],
+            Step::Add(a, b) | Step::Mul(a, b) | Step::Turn { x: a, y: b, .. } => self.open[a] || self.open[b],
             Step::Inverse(a) | Step::Power(a, _) | Step::Root(a, _) => self.open[a],
         });
         self.program.push(step)
