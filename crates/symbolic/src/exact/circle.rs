@@ -72,13 +72,13 @@ impl<const C: u64> Lowering<'_, C> {
     }
 
     /// The rational coefficients by which register `value` is a combination of `basis`; `None` if it is independent.
-    pub(super) fn relation(&self, e: Expr, basis: &[Reg], value: Reg) -> Result<Option<Vec<(i64, i64)>>, Stop> {
+    pub(super) fn relation(&mut self, e: Expr, basis: &[Reg], value: Reg) -> Result<Option<Vec<(i64, i64)>>, Stop> {
         let mut all = basis.to_vec();
         all.push(value);
         let n = basis.len() + SPARE;
         let at = self.trials(&all, n);
         if at.len() < n {
-            return Err(self.kernel(e, "its argument has no value at most points"));
+            return Err(self.few_trials(e, 2 * n, "its argument has no value at most points"));
         }
         let columns: Vec<_> = basis.iter().map(|&r| self.values(r, &at)).collect();
         let Ok(found) = combination(&columns, &self.values(value, &at)) else {

@@ -78,13 +78,7 @@ impl<const C: u64> Lowering<'_, C> {
         registers.iter().map(|&r| known[r]).collect()
     }
 
-    fn by_rule(
-        &self,
-        rule: &Rule,
-        r: Reg,
-        i: usize,
-        d: impl Fn(Reg) -> Option<Residue<C>>,
-    ) -> Option<Residue<C>> {
+    fn by_rule(&self, rule: &Rule, r: Reg, i: usize, d: impl Fn(Reg) -> Option<Residue<C>>) -> Option<Residue<C>> {
         let at = |r: Reg| self.trial(r, i);
         Some(match *rule {
             Rule::Free | Rule::Unknown => return None,

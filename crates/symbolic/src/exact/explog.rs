@@ -114,7 +114,11 @@ impl<const C: u64> Lowering<'_, C> {
         all.push(value);
         let at = self.nonzero_trials(&all, all.len() + SPARE);
         if at.len() < all.len() + SPARE / 2 {
-            return Err(self.kernel(h, "it has no value at most points, under a logarithm"));
+            return Err(self.few_trials(
+                h,
+                2 * (all.len() + SPARE),
+                "it has no value at most points, under a logarithm",
+            ));
         }
         match self.multiplicative_relation(&bases, value, &at) {
             Relation::None => {

@@ -56,11 +56,7 @@ impl<const C: u64> Lowering<'_, C> {
             |(_, known, value)| {
                 let others = known[1..].iter().zip(&operands[1..]).all(|(&a, &b)| same(a, b, Residue::ONE));
                 let with = |sign| others && same(known[0], operands[0], sign);
-                if with(Residue::ONE) {
-                    Some((*value, false))
-                } else {
-                    with(-Residue::ONE).then_some((*value, true))
-                }
+                if with(Residue::ONE) { Some((*value, false)) } else { with(-Residue::ONE).then_some((*value, true)) }
             },
         )
     }
@@ -71,7 +67,7 @@ impl<const C: u64> Lowering<'_, C> {
         let kind_of_angle = self.point_of(&operands, self.circle.basis.len())?;
         let (symbols, others) = (self.pool.symbols_of(&operands), !self.circle.basis.is_empty());
         self.circle.inverses.push((kind, operands, value));
-        if others && !self.is_independent_angle(value) {
+        if others && !self.is_independent_angle(e, value)? {
             return Err(self.kernel(e, "it may be related to other angles and trigonometric functions"));
         }
         let (kind, parts) = kind_of_angle;
@@ -106,20 +102,29 @@ impl<const C: u64> Lowering<'_, C> {
         Ok((AngleKind::OfPoint((part(false), part(true))), parts))
     }
 
-    /// True if the derivative of the angle is no linear combination, with constant coefficients, of those of the angles so far.
-    fn is_independent_angle(&self, value: Reg) -> bool {
+    /// Whether the derivative of the angle is no linear combination, with constant coefficients, of those of the angles so far;
+    /// errors name `e`.
+    fn is_independent_angle(&mut self, e: Expr, value: Reg) -> Result<bool, Stop> {
         let mut angles: Vec<Reg> = self.circle.basis.iter().map(|a| a.value).collect();
         angles.push(value);
-        let at = self.trials(&angles, angles.len() + SPARE);
+        let needed = angles.len() + SPARE;
+        let all = self.trials(&angles, usize::MAX);
         let rows: Vec<Vec<Residue<C>>> =
-            at.iter().filter_map(|&i| self.derivatives(&angles, i).into_iter().collect()).collect();
+            all.into_iter().filter_map(|i| self.derivatives(&angles, i).into_iter().collect()).take(needed).collect();
+        if rows.len() < needed {
+            return Err(self.few_trials(
+                e,
+                2 * needed,
+                "it may be related to other angles and trigonometric functions",
+            ));
+        }
         let column = |j: usize| -> Vec<Residue<C>> { rows.iter().map(|r| r[j]).collect() };
-        let mut span = Echelon::empty(rows.len());
+        let mut span = Echelon::empty(needed);
         let last = angles.len() - 1;
         for j in 0..last {
             span.insert(column(j));
         }
-        rows.len() >= angles.len() && span.insert(column(last))
+        Ok(span.insert(column(last)))
     }
 
     /// True if the operand, or the ratio of two operands, has the same value at all trial points.

@@ -66,7 +66,7 @@ pub(super) fn lower<const C: u64>(
         }
     }
     for _ in 0..MAX_RESTARTS {
-        let trials = if kernels.is_empty() { 0 } else { trials };
+        let trials = if kernels.is_empty() { 0 } else { trials.max(requirements.trials) };
         let mut l = Lowering::new(pool, std::mem::take(&mut exact), trials, &mut requirements);
         match l.nodes(&nodes, &below) {
             Ok(()) => {

@@ -349,7 +349,12 @@ impl Pool {
             return Err(why);
         }
         let (first, roots) = composed.split_at(first.len());
-        self.sampled_after::<C>(first, roots, &Bindings::new(), (Some(points), seed), start).map_err(|_| why)
+        self.sampled_after::<C>(first, roots, &Bindings::new(), (Some(points), seed), start).map_err(
+            |stop| match stop {
+                Stop::OtherPrime(other) => other,
+                Stop::Restart | Stop::Undecided(_) => why,
+            },
+        )
     }
 
     fn sampled<const C: u64>(

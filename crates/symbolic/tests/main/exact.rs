@@ -235,12 +235,15 @@ fn inverse_functions_are_generators() {
         "atan(exp(x)) + atan(tanh(x)) - atan(x*exp(y))",
         "atan(x - atan(y)) - atan(x) + atan(y)",
         "sin(13/10*atan(x)) - sin(atan(x)*19/10)",
+        "sin(1.3*atan(10*(z - atan2(y + x, 3)))) - sin(1.69*atan(11*atan2(y - x, 3)))",
     ]);
     all_zero(&[
         "tan(atan2(y + z, x) - atan2(y - z, x)) - 2*z*x/(x^2 + y^2 - z^2)",
         "(atan(x) + atan(y))*(atan(x) - atan(y)) - atan(x)^2 + atan(y)^2",
         "sin(19/10*atan(x))^2 + cos(19/10*atan(x))^2 - 1",
         "sin(6/5*atan(x)) - 2*sin(3/5*atan(x))*cos(3/5*atan(x))",
+        "sin(1.2691*atan(x) + y)*cos(y) - cos(1.2691*atan(x) + y)*sin(y) - sin(1.2691*atan(x))",
+        "sin(0.7*atan(x) - 0.35*atan(x)) + atan(x) - cos(7*atan(x)/20 - pi/2) - 2*atan(x) + 10*atan(x)/10",
         "4*cos(atan(x)/3)^3 - 3*cos(atan(x)/3) - 1/sqrt(1 + x^2)",
         "atan(x - atan(y)) - atan(-atan(y) + x)",
     ]);
