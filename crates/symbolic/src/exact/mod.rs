@@ -234,7 +234,7 @@ impl Pool {
     /// Decides whether `e` is zero as a function of the symbols that `bindings` leave free.
     ///
     /// Works modulo the prime 2^61 − 1 at random points. What is not zero modulo one prime is not zero. What seems to
-    /// be is looked at modulo 2^61 − 488019153 too, since coefficients may be multiples of a prime, and modulo
+    /// be is looked at modulo 2^61 − 70094276963553 too, since coefficients may be multiples of a prime, and modulo
     /// 2^61 − 615950913 where one of these fields lacks a number or mistakes one for another. Sines, exponentials,
     /// logarithms and roots become algebraically independent generators after their
     /// rational-linear relations are found; independence of constants such as
