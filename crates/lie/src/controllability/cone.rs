@@ -9,7 +9,8 @@ use crate::algebra::rational::readable::tidy;
 use crate::algebra::span::vanishes;
 use crate::controllability::input_values::Side;
 use crate::controllability::meeting::{Adjacent, AtSwitchPoint, change, input_set};
-use crate::controllability::sign::{Extent, NearOrigin, Sign};
+use crate::controllability::region::{Extent, Region};
+use crate::controllability::sign::{NearOrigin, Sign};
 use crate::evidence::Evidence;
 use crate::reason::StlcReason;
 use crate::residues::{Echelon, Fp, OFFSET};
@@ -30,7 +31,7 @@ pub(crate) fn half_space_of_modes(
     let Some(first) = modes.first() else { return Ok(None) };
     let set = input_set(given);
     let Some(sides) = set.sides(pool, &first.frame, &given.point.inputs) else { return Ok(None) };
-    if extent.hyperplane && !modes.iter().all(|a| is_lipschitz(pool, a, extent.everywhere)) {
+    if extent.region == Region::Level && !modes.iter().all(|a| is_lipschitz(pool, a, extent.everywhere)) {
         return Ok(None);
     }
     let one_sided = sides.iter().any(Option::is_some);
@@ -112,7 +113,7 @@ fn signs(
     let bindings = &mode.fields.bindings;
     let (mut variables, offsets) = mode.frame.deviations(pool);
     let mut steps: Vec<FxHashMap<Expr, Expr>> = vec![offsets];
-    if extent.hyperplane
+    if extent.region == Region::Level
         && let Some(covector) = covector
         && let Some(last) = covector.iter().rposition(|c| !pool.is_zero(*c))
     {

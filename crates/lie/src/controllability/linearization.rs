@@ -202,7 +202,7 @@ fn entries(pool: &mut Pool, frame: &Frame) -> Vec<Expr> {
 }
 
 /// A and the columns of B as rows; `None` if an entry is not seen to be rational.
-fn rational_matrices(pool: &mut Pool, frame: &Frame) -> Option<(RationalMatrix, RationalMatrix)> {
+pub(crate) fn rational_matrices(pool: &mut Pool, frame: &Frame) -> Option<(RationalMatrix, RationalMatrix)> {
     let n = frame.fields.states.len();
     let roots = entries(pool, frame);
     let mut values = frame.rationals(pool, &roots)?;

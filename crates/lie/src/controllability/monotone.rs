@@ -11,7 +11,8 @@ use crate::budget::check_growth;
 use crate::controllability::impulses::is_entire;
 use crate::controllability::input_values::Side;
 use crate::controllability::local_accessibility::Frame;
-use crate::controllability::sign::{Extent, NearOrigin, Sign};
+use crate::controllability::region::{Extent, Region};
+use crate::controllability::sign::{NearOrigin, Sign};
 use crate::evidence::Evidence;
 use crate::reason::{Monotone, StlcReason};
 use crate::residues::Fp;
@@ -21,7 +22,7 @@ use crate::undecided::Undecided;
 /// those of the others, and of which φ' + k (φ − φ(x0)) is not negative, or the reverse.
 ///
 /// Then φ(x) ≥ φ(x0) on all that is reached (by Gronwall's inequality), and x0 is no interior point of it, whatever the inputs
-/// are: near x0, or however far the state goes. For k = 0, which `extent.hyperplane` excludes to be otherwise, φ never falls.
+/// are: near x0, or however far the state goes. For k = 0, the only one but for [`Region::Level`], φ never falls, or not where the region is.
 /// φ is sought among the integrals of the input fields, and of their brackets with the drift, so that it does not depend on
 /// the coordinates in which the system is given; everywhere it and its rate have to be defined for all states.
 pub(crate) fn monotone_function(
@@ -44,28 +45,36 @@ pub(crate) fn monotone_function(
         let gradient: Field = pool.gradient(function, &states);
         let Ok(slopes) = frame.evaluate(pool, std::slice::from_ref(&gradient), evidence) else { continue };
         let steady = slopes.concat().iter().all(|d| *d == Fp::ZERO);
-        let Some(pushed) = pushes(pool, &signs, function, sides, &offsets) else { continue };
         let rate = pool.lie_derivative(function, &states, &fields.drift);
         let rate = tidy(pool, rate);
         if steady || extent.everywhere && !is_entire(pool, &[function, rate], &states) {
             continue;
         }
         let at_point = frame.value_at_point(pool, function);
-        let factors = if extent.hyperplane { factors(pool, &states, function, rate) } else { vec![pool.int(0)] };
+        // Level sets of other functions are no hyperplanes: their rates are looked at on both sides.
+        let region = if extent.region == Region::Level { Region::All } else { extent.region };
+        let above = pool.sub(function, at_point);
+        let moved = pool.substitute(above, &offsets);
+        let Some(in_region) = region.coordinates(pool, moved, &signs.variables) else { continue };
+        let Some(pushed) = pushes(pool, &signs, function, sides, [&offsets, &in_region]) else { continue };
+        let factors =
+            if extent.region == Region::Level { factors(pool, &states, function, rate) } else { vec![pool.int(0)] };
         for k in factors {
-            let above = pool.sub(function, at_point);
             let pull = pool.mul(k, above);
             let total = pool.add(rate, pull);
             let total = tidy(pool, total);
             let moved = pool.substitute(total, &offsets);
+            let moved = pool.substitute(moved, &in_region);
             let drifts = signs.sign(pool, moved);
             let up = drifts.at_least_zero() && pushed.iter().all(|s| s.at_least_zero());
             let down = drifts.opposite().at_least_zero() && pushed.iter().all(|s| s.opposite().at_least_zero());
+            if !extent.region.bars(up, down) {
+                continue;
+            }
             let change = match (up, down) {
                 (true, true) => Monotone::Constant,
                 (true, false) => Monotone::Rises,
-                (false, true) => Monotone::Falls,
-                (false, false) => continue,
+                _ => Monotone::Falls,
             };
             let one_sided = sides.iter().any(Option::is_some);
             let function = Function::new(pool, function);
@@ -82,7 +91,7 @@ fn pushes(
     signs: &NearOrigin,
     function: Expr,
     sides: &[Option<Side>],
-    offsets: &FxHashMap<Expr, Expr>,
+    maps: [&FxHashMap<Expr, Expr>; 2],
 ) -> Option<Vec<Sign>> {
     let fields = &signs.frame.fields;
     let mut list = Vec::new();
@@ -92,7 +101,7 @@ fn pushes(
             continue;
         }
         let along = tidy(pool, along);
-        let along = pool.substitute(along, offsets);
+        let along = maps.into_iter().fold(along, |along, map| pool.substitute(along, map));
         list.push(match side {
             Some(Side::Above) => signs.sign(pool, along),
             Some(Side::Below) => signs.sign(pool, along).opposite(),
@@ -103,7 +112,7 @@ fn pushes(
 }
 
 /// Integrals of these input fields, of these and their brackets with the drift, and so on.
-fn candidates(
+pub(crate) fn candidates(
     pool: &mut Pool,
     frame: &Frame,
     controls: &[Field],

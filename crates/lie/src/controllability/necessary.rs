@@ -1,8 +1,7 @@
 //! Necessary conditions for small-time local controllability; each holds for every bound on the inputs.
 
-use bracketry_symbolic::{Expr, Function, Pool};
+use bracketry_symbolic::{Expr, Function, Pool, Symbol};
 use nalgebra::{DMatrix, DVector};
-use rustc_hash::FxHashMap;
 
 use crate::algebra::constant_span::Words;
 use crate::algebra::field::{Field, bracket};
@@ -14,7 +13,8 @@ use crate::controllability::holding::supporting;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::complement;
 use crate::controllability::local_accessibility::Frame;
-use crate::controllability::sign::{Extent, NearOrigin, Sign, definite};
+use crate::controllability::region::Extent;
+use crate::controllability::sign::{NearOrigin, Sign, definite};
 use crate::evidence::Evidence;
 use crate::options::Limits;
 use crate::reason::{Monotone, StlcReason};
@@ -94,8 +94,9 @@ pub(crate) fn stefani(
 /// it, the half-space on that side is invariant (Nagumo 1942) and x0 is no interior point of what
 /// is reached. Tried are the coordinates, the constant λ that annihilate every input field, and one that is not negative on
 /// those of one-sided inputs at x0.
-/// `sides` says for each input whether it deviates to one side only; `extent`, whether the field must point there off the
-/// hyperplane too, and far from x0, so that trajectories that leave the neighborhood of x0 are bounded by it.
+/// `sides` says for each input whether it deviates to one side only; `extent`, where the field must point there: on the
+/// hyperplane, off it too, or on one side of it, and whether far from x0, so that trajectories that leave the neighborhood of x0
+/// are bounded by it.
 pub(crate) fn half_space(
     pool: &mut Pool,
     frame: &Frame,
@@ -104,25 +105,16 @@ pub(crate) fn half_space(
     evidence: &mut Evidence,
 ) -> Result<Option<StlcReason>, Undecided> {
     let states = frame.fields.states.clone();
-    let n = states.len();
     let (variables, offsets) = frame.deviations(pool);
     let near = NearOrigin { frame, variables: variables.clone(), everywhere: extent.everywhere };
     for covector in covectors(pool, frame, sides, evidence)? {
-        let Some(last) = covector.iter().rposition(|c| !pool.is_zero(*c)) else { continue };
-        // On the hyperplane the last coordinate is a combination of the others.
-        let mut solved = pool.int(0);
-        for i in (0..n).filter(|&i| i != last) {
-            let quotient = pool.div(covector[i], covector[last]);
-            let y = pool.sym(variables[i]);
-            let term = pool.mul(quotient, y);
-            solved = pool.sub(solved, term);
-        }
-        let on_plane: FxHashMap<Expr, Expr> = [(pool.sym(variables[last]), solved)].into_iter().collect();
+        let deviation = combination(pool, &variables, &covector);
+        let Some(in_region) = extent.region.coordinates(pool, deviation, &variables) else { continue };
         let along = |pool: &mut Pool, field: &Field| {
             let terms: Vec<Expr> = field.iter().zip(&covector).map(|(&e, &c)| pool.mul(c, e)).collect();
             let sum = pool.sum(terms);
             let sum = pool.substitute(sum, &offsets);
-            if extent.hyperplane { pool.substitute(sum, &on_plane) } else { sum }
+            pool.substitute(sum, &in_region)
         };
         let sign = |pool: &mut Pool, e: Expr| {
             if vanishes(pool, e, &frame.fields.bindings) {
@@ -151,16 +143,8 @@ pub(crate) fn half_space(
         signs.push(sign(pool, drift));
         let up = signs.iter().all(|s| s.at_least_zero());
         let down = signs.iter().all(|s| s.opposite().at_least_zero());
-        if up || down {
-            let named: Vec<Expr> = states
-                .iter()
-                .zip(&covector)
-                .map(|(&s, &c)| {
-                    let s = pool.sym(s);
-                    pool.mul(c, s)
-                })
-                .collect();
-            let function = pool.sum(named);
+        if extent.region.bars(up, down) {
+            let function = combination(pool, &states, &covector);
             let function = pool.simplify(function);
             let change = match (up, down) {
                 (true, true) => Monotone::Constant,
@@ -173,6 +157,16 @@ pub(crate) fn half_space(
         }
     }
     Ok(None)
+}
+
+/// Σ c_i x_i.
+fn combination(pool: &mut Pool, variables: &[Symbol], coefficients: &[Expr]) -> Expr {
+    let term = |(&x, &c): (&Symbol, &Expr)| {
+        let x = pool.sym(x);
+        pool.mul(c, x)
+    };
+    let terms: Vec<Expr> = variables.iter().zip(coefficients).map(term).collect();
+    pool.sum(terms)
 }
 
 /// Seed of the points at which constant covectors are sought; largest numerator and denominator in them.

@@ -14,7 +14,7 @@ use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
 use crate::controllability::prolonged::with_integrators;
-use crate::controllability::sign::Extent;
+use crate::controllability::region::Extent;
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::error::Error;
 use crate::evidence::Evidence;

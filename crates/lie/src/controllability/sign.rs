@@ -9,6 +9,7 @@ use rustc_hash::FxHashMap;
 use crate::controllability::local_accessibility::Frame;
 use crate::linear::form::signs;
 use crate::linear::matrix::RationalMatrix;
+use crate::linear::polynomial::MultivariatePolynomial;
 use bracketry_numerics::eigen::symmetric_eigen;
 
 /// The sign of a function in a neighborhood of a point, or everywhere.
@@ -63,24 +64,10 @@ impl Sign {
     }
 }
 
-/// Where the rate of a function is looked at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Extent {
-    /// Where the function has its value at the point: the half-space beyond is not left (Nagumo 1942). Else at all points:
-    /// the function never turns back.
-    pub(crate) hyperplane: bool,
-    /// At all distances from the point, which takes all modes. Else near the point.
-    pub(crate) everywhere: bool,
-}
-
-impl Extent {
-    /// An invariant half-space, and one near the point.
-    pub(crate) const HALF_SPACE: Extent = Extent { hyperplane: true, everywhere: true };
-    pub(crate) const LOCAL_HALF_SPACE: Extent = Extent { hyperplane: true, everywhere: false };
-}
-
 /// Larger expressions, written out as trees, are not looked at.
 const MAX_TREE: f64 = 2_000.0;
+/// Degree of the Taylor polynomials of functions that are no polynomials.
+const DEGREE: u32 = 6;
 /// Deeper expressions are not looked into.
 const MAX_DEPTH: usize = 60;
 
@@ -102,13 +89,34 @@ impl NearOrigin<'_> {
         match self.look(pool, e, 0) {
             Sign::Unknown => {
                 let expanded = pool.expand(e);
-                if expanded == e || pool.tree_size(expanded) > MAX_TREE {
+                let seen = if expanded == e || pool.tree_size(expanded) > MAX_TREE {
                     Sign::Unknown
                 } else {
                     self.look(pool, expanded, 0)
-                }
+                };
+                if seen == Sign::Unknown { self.by_leading_terms(pool, expanded) } else { seen }
             }
             seen => seen,
+        }
+    }
+
+    /// The sign near the origin that the leading terms of a polynomial, or of a Taylor polynomial, decide.
+    fn by_leading_terms(&self, pool: &mut Pool, e: Expr) -> Sign {
+        if self.everywhere {
+            return Sign::Unknown;
+        }
+        let e = self.frame.constants_in(pool, e);
+        let exact = MultivariatePolynomial::of(pool, e, &self.variables).map(|p| (p, None));
+        let expanded = |pool: &mut Pool| MultivariatePolynomial::taylor(pool, e, &self.variables, DEGREE as usize);
+        let Some((p, remainder)) = exact.or_else(|| expanded(pool).map(|p| (p, Some(DEGREE)))) else {
+            return Sign::Unknown;
+        };
+        let opposite = MultivariatePolynomial::default().plus(&p, &Rational::from(-1));
+        match (p.is_nonnegative_near_origin(remainder), opposite.is_nonnegative_near_origin(remainder)) {
+            (true, false) => Sign::NonNegative,
+            (false, true) => Sign::NonPositive,
+            (true, true) => Sign::Zero,
+            (false, false) => Sign::Unknown,
         }
     }
 

@@ -4,13 +4,14 @@ use bracketry_symbolic::{Expr, Function, Pool};
 
 use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
+use crate::controllability::critical_mode::{by_critical_mode, in_the_plane};
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::{Linearization, is_hurwitz, is_linear, uncontrollable};
 use crate::controllability::local_accessibility::{Frame, LocalAccessibility};
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
-use crate::controllability::sign::Extent;
+use crate::controllability::region::{Extent, Region};
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::evidence::Evidence;
 use crate::reason::{Reason, StabilizableReason, StlcReason};
@@ -89,6 +90,18 @@ pub(crate) fn stabilizable(
         let why = if directly { StabilizableReason::Periodic } else { StabilizableReason::PeriodicDynamic };
         return known(true, why);
     }
+    if !restricted {
+        if n == 2 && at.inputs.len() == 1 && at.inputs[0].iter().any(|v| !v.is_zero()) {
+            match in_the_plane(pool, at.frame, evidence) {
+                Ok(Some(why)) => return known(true, why),
+                Ok(None) => {}
+                Err(why) => return (Answer::Unknown(why.clone().into()), StabilizableReason::Open(why.into())),
+            }
+        }
+        if let Some(why) = by_critical_mode(pool, at.frame) {
+            return known(true, why);
+        }
+    }
     let why = match &at.decays {
         Answer::Unknown(why) => why.clone(),
         // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
@@ -128,7 +141,8 @@ fn with_other_inputs(pool: &mut Pool, at: &AtEquilibrium, evidence: &mut Evidenc
 ///   foliated by orbits of dimension r (Frobenius), and a motion that stays near the point does not change its leaf.
 /// - The strong algebra has the same dimension at the point as generically and as Kalman's matrix: in coordinates z of the
 ///   leaves of that foliation z' = h(z), whatever the inputs, and the uncontrollable modes are those of h.
-/// - A function that changes to one side only near the point.
+/// - A function that changes to one side only near the point, or only where it exceeds its value there: from there it does not
+///   fall back.
 fn obstacle(
     pool: &mut Pool,
     at: &AtEquilibrium,
@@ -142,13 +156,20 @@ fn obstacle(
     if at.decays == Answer::Known(false) && strong == Some(at.generic[1]) && at.generic[1] == at.rank {
         return Ok(Some(StabilizableReason::UnstableQuotient));
     }
-    let near = Extent { hyperplane: false, everywhere: false };
-    let barrier = match half_space(pool, at.frame, at.sides, near, evidence)? {
-        None => monotone_function(pool, at.frame, at.sides, near, evidence)?,
-        found => found,
-    };
-    Ok(match barrier {
-        Some(StlcReason::HalfSpace { function, change, .. }) => Some(StabilizableReason::OneWay { function, change }),
-        _ => None,
-    })
+    for region in [Region::All, Region::Above, Region::Below] {
+        let near = Extent::near(region);
+        let barrier = match half_space(pool, at.frame, at.sides, near, evidence)? {
+            None => monotone_function(pool, at.frame, at.sides, near, evidence)?,
+            found => found,
+        };
+        if let Some(StlcReason::HalfSpace { function, change, .. }) = barrier {
+            return Ok(Some(match region {
+                Region::Above | Region::Below => {
+                    StabilizableReason::NoReturn { function, above: region == Region::Above }
+                }
+                _ => StabilizableReason::OneWay { function, change },
+            }));
+        }
+    }
+    Ok(None)
 }

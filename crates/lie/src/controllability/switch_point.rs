@@ -9,7 +9,7 @@ use crate::controllability::canceled_switching::canceled;
 use crate::controllability::cone::half_space_of_modes;
 use crate::controllability::meeting::{Adjacent, AtSwitchPoint, Ranges, Verdicts, adjacent, all_modes, only_bounded};
 use crate::controllability::point::PointReport;
-use crate::controllability::sign::Extent;
+use crate::controllability::region::{Extent, Region};
 use crate::controllability::sticking::{frozen, sticks};
 use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::error::Error;
@@ -89,7 +89,7 @@ fn decide(
         0..=MAX_MODES => Some(all_modes(pool, given)?),
         _ => Some(Vec::new()),
     };
-    let near = Extent { hyperplane: false, everywhere: false };
+    let near = Extent::near(Region::All);
     let one_way = half_space_of_modes(pool, given, &adjacent, near, evidence)?;
     let bounded = match &one_way {
         Some(reason) => Some(StlcReason::EveryMode(Box::new(reason.clone()))),
@@ -205,7 +205,7 @@ fn negative(
             return Ok(Some(StlcReason::Invariant(invariant.whole.clone())));
         }
     }
-    let extent = Extent { hyperplane: true, everywhere };
+    let extent = Extent { region: Region::Level, everywhere };
     if let Some(reason) = half_space_of_modes(pool, given, modes, extent, evidence)? {
         return Ok(Some(StlcReason::EveryMode(Box::new(reason))));
     }

@@ -9,7 +9,7 @@ use crate::controllability::linearization::is_linear;
 use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
-use crate::controllability::sign::Extent;
+use crate::controllability::region::Extent;
 use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::evidence::Evidence;
 use crate::reason::StlcReason;

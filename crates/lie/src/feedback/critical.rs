@@ -11,11 +11,8 @@ use crate::linear::matrix::{RationalMatrix, semidefinite};
 use crate::linear::polynomial::MultivariatePolynomial;
 use crate::reason::MinimumPhaseReason;
 
-/// Order of the expansion on the center manifold, and most coordinates for the expansion.
+/// Order of the expansion on the center manifold.
 const ORDER: usize = 5;
-const MAX_COORDINATES: usize = 5;
-/// Larger equations, written out as trees, are not expanded.
-const MAX_TREE: f64 = 500.0;
 
 /// z' = F(z) on a set, with an equilibrium at its point.
 pub(crate) struct Critical<'a> {
@@ -37,7 +34,9 @@ impl Critical<'_> {
             return Some(self.reason(pool, &symbols, &found));
         }
         if self.on_axis == 1
-            && let Some(expanded) = polynomials.or_else(|| expanded(pool, &symbols, &components))
+            && let Some(expanded) = polynomials.or_else(|| {
+                components.iter().map(|&e| MultivariatePolynomial::taylor(pool, e, &symbols, ORDER)).collect()
+            })
             && let Some((order, c)) = PolynomialField(&expanded).on_center_manifold(ORDER)
         {
             let stable = order % 2 == 1 && c < Rational::ZERO;
@@ -147,39 +146,4 @@ impl Critical<'_> {
         let opposite = rows.iter().map(|r| r.iter().map(|x| -x.clone()).collect()).collect();
         RationalMatrix::new(rows.clone(), k).null_space().is_empty() && (semidefinite(rows) || semidefinite(opposite))
     }
-}
-
-/// Taylor polynomials at the origin; `None` if a derivative is not seen to be rational there.
-fn expanded(pool: &mut Pool, symbols: &[Symbol], components: &[Expr]) -> Option<Vec<MultivariatePolynomial>> {
-    if symbols.len() > MAX_COORDINATES || components.iter().any(|&e| pool.tree_size(e) > MAX_TREE) {
-        return None;
-    }
-    let zero = pool.int(0);
-    let origin: FxHashMap<Expr, Expr> = symbols.iter().map(|&s| (pool.sym(s), zero)).collect();
-    let mut list = Vec::new();
-    for &e in components {
-        let mut p = MultivariatePolynomial::default();
-        // Derivatives with their exponents and the product of factorials; each symbol only from the last one used on.
-        let mut level = vec![(e, vec![0u32; symbols.len()], Rational::ONE, 0)];
-        for order in 0..=ORDER {
-            let mut next = Vec::new();
-            for (d, m, factorial, from) in level {
-                let at = pool.substitute(d, &origin);
-                let at = pool.simplify(at);
-                let value = pool.number(at)?.clone();
-                p.add_term(m.clone(), value / &factorial);
-                if order < ORDER {
-                    for i in from..symbols.len() {
-                        let mut m = m.clone();
-                        m[i] += 1;
-                        let factorial = factorial.clone() * Rational::from(m[i]);
-                        next.push((pool.diff(d, symbols[i]), m, factorial, i));
-                    }
-                }
-            }
-            level = next;
-        }
-        list.push(p);
-    }
-    Some(list)
 }

@@ -2,11 +2,13 @@
 
 mod characteristic;
 pub(crate) mod distance;
+pub(crate) mod dominance;
 pub(crate) mod form;
 pub(crate) mod matrix;
 pub(crate) mod polynomial;
 pub(crate) mod program;
 pub(crate) mod spectrum;
+pub(crate) mod taylor;
 pub(crate) mod zeros;
 
 pub use distance::Distance;

@@ -110,6 +110,42 @@ impl MultivariatePolynomial {
         Some(product)
     }
 
+    /// The product without the terms above a degree.
+    #[must_use]
+    pub(crate) fn times_up_to(&self, other: &Self, degree: u32) -> Self {
+        let total = |m: &[u32]| m.iter().sum::<u32>();
+        let mut product = Self::default();
+        for (a, x) in self.terms.iter().filter(|(a, _)| total(a) <= degree) {
+            for (b, y) in other.terms.iter().filter(|(b, _)| total(a) + total(b) <= degree) {
+                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x * y);
+            }
+        }
+        product
+    }
+
+    /// This with polynomials in place of all variables, without the terms above a degree; `variables` is their number.
+    #[must_use]
+    pub(crate) fn composed(&self, values: &[Self], variables: usize, degree: u32) -> Self {
+        let mut sum = Self::default();
+        for (m, c) in &self.terms {
+            let mut product = Self::term(c.clone(), vec![0; variables]);
+            for (&k, value) in m.iter().zip(values) {
+                for _ in 0..k {
+                    product = product.times_up_to(value, degree);
+                }
+            }
+            sum = sum.plus(&product, &Rational::ONE);
+        }
+        sum
+    }
+
+    /// The terms of one degree.
+    #[must_use]
+    pub(crate) fn of_degree(&self, degree: u32) -> Self {
+        let kept = self.terms.iter().filter(|(m, _)| m.iter().sum::<u32>() == degree);
+        MultivariatePolynomial { terms: kept.map(|(m, c)| (m.clone(), c.clone())).collect() }
+    }
+
     /// The derivative by one variable.
     #[must_use]
     pub fn derivative(&self, variable: usize) -> Self {
@@ -153,10 +189,7 @@ impl MultivariatePolynomial {
     /// The terms of least degree.
     #[must_use]
     pub fn leading_form(&self) -> Self {
-        let degree = |m: &[u32]| m.iter().sum::<u32>();
-        let least = self.terms.keys().map(|m| degree(m)).min().unwrap_or(0);
-        let kept = self.terms.iter().filter(|(m, _)| degree(m) == least);
-        MultivariatePolynomial { terms: kept.map(|(m, c)| (m.clone(), c.clone())).collect() }
+        self.of_degree(self.order())
     }
 
     /// Largest degree of a term; 0 for zero.

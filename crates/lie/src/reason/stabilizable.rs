@@ -1,6 +1,6 @@
 //! What verdicts on stabilizability rest on.
 
-use bracketry_symbolic::Function;
+use bracketry_symbolic::{Function, Rational};
 
 use crate::as_text::serialized_as_text;
 use crate::reason::open::Reason;
@@ -52,6 +52,26 @@ pub enum StabilizableReason {
     /// Coron's theorem.
     #[error("by continuous time-periodic feedback, from small-time controllability (Coron)")]
     Periodic,
+    /// Signs of the rate of a function that the input does not influence.
+    #[error(
+        "by continuous feedback in the plane: near the point, {function} can fall where it is above its value there and rise where \
+         it is below (Dayawansa, Martin, and Knowles 1990)"
+    )]
+    PlanarSigns {
+        /// The function.
+        function: Function,
+    },
+    /// One mode on the imaginary axis, which decays along states that the inputs otherwise hold at rest.
+    #[error(
+        "by Lipschitz continuous feedback: along states that the inputs otherwise hold at rest, the critical mode {function} decays \
+         at a rate of {} (Aeyels 1985)", of_order(.orders)
+    )]
+    CriticalMode {
+        /// The mode.
+        function: Function,
+        /// The powers of the mode to which its rate is proportional, above and below the point.
+        orders: [Rational; 2],
+    },
     /// A function that never changes to one side, so that it does not return.
     #[error("{function} cannot {change} near the point for any inputs")]
     OneWay {
@@ -59,6 +79,15 @@ pub enum StabilizableReason {
         function: Function,
         /// How it can not change.
         change: Monotone,
+    },
+    /// A function that does not fall where it is above its value at the point, or does not rise where it is below.
+    #[error("where {function} is {} its value at the point, it cannot {} near the point for any inputs",
+        if *.above { "above" } else { "below" }, if *.above { Monotone::Rises } else { Monotone::Falls })]
+    NoReturn {
+        /// The function.
+        function: Function,
+        /// Whether that is so above its value at the point, else below.
+        above: bool,
     },
     /// A function that is constant in every mode.
     #[error("{0} is constant, so states with another value of it do not approach the point")]
@@ -77,6 +106,11 @@ pub enum StabilizableReason {
     /// Not decided.
     #[error(transparent)]
     Open(Reason),
+}
+
+/// Of which orders in a mode its rates on both sides are.
+fn of_order([above, below]: &[Rational; 2]) -> String {
+    if above == below { format!("order {above}") } else { format!("order {above} above and {below} below the point") }
 }
 
 serialized_as_text!(StabilizableReason);

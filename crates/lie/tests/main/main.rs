@@ -4,6 +4,7 @@
 mod cases;
 mod chained;
 mod common;
+mod critical_modes;
 mod critical_zero_dynamics;
 mod edges;
 mod family;

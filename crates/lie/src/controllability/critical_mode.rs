@@ -1,0 +1,128 @@
+//! Feedback at an equilibrium whose linearization leaves one mode on the imaginary axis, or in the plane.
+
+use bracketry_symbolic::{Expr, Function, Pool, Rational, Symbol};
+
+use crate::algebra::rational::readable::tidy;
+use crate::controllability::descent::Curve;
+use crate::controllability::linearization::{quotient_by_reachable, rational_matrices};
+use crate::controllability::local_accessibility::Frame;
+use crate::controllability::monotone::candidates;
+use crate::controllability::region::solved;
+use crate::controllability::slow_equilibria::SlowEquilibria;
+use crate::evidence::Evidence;
+use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::spectrum::Spectrum;
+use crate::reason::StabilizableReason;
+use crate::undecided::Undecided;
+
+/// Degree of the expansions with one input and with more; most states and inputs.
+const DEGREE: [u32; 2] = [7, 5];
+const MAX_STATES: usize = 8;
+const MAX_INPUTS: usize = 3;
+
+/// Feedback that stabilizes through one mode s on the imaginary axis, whose eigenvalue is 0, while the other modes decay or are
+/// controllable.
+///
+/// With the parameters v of [`SlowEquilibria`] as functions φ(s) with a Lipschitz constant and s β(s, φ(s)) < 0 for s ≠ 0, the
+/// feedback u = U(s, φ(s)) + K (x − X(s, φ(s))) stabilizes, where K stabilizes the modes that inputs reach. Proof. For
+/// z = x − X, which is in the kernel of w, z' = H z + O(|β|) + O((|s| + |z|)|z|) with a Hurwitz H, and
+/// s' = β + O((|s| + |z|)|z|). With a norm of z for which e^(H t) contracts, |s| + μ |z| decays for small μ > 0, near 0.
+pub(crate) fn by_critical_mode(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
+    let (n, m) = (frame.fields.states.len(), frame.fields.controls.len());
+    if n > MAX_STATES || m == 0 || m > MAX_INPUTS {
+        return None;
+    }
+    let (a, b) = rational_matrices(pool, frame)?;
+    let spectrum = Spectrum::of(&quotient_by_reachable(&a, &b));
+    if (spectrum.on_axis, spectrum.right) != (1, 0) {
+        return None;
+    }
+    let degree = DEGREE[usize::from(m > 1)];
+    let field = expanded(pool, frame, degree)?;
+    let found = SlowEquilibria::of(&field, m, degree)?;
+    let curves = [1, -1].map(|sign| Curve::of(&found.rate, sign, degree, &Rational::ONE));
+    let [Some(above), Some(below)] = curves else { return None };
+    let states = frame.fields.states.clone();
+    let function = combination(pool, &states, &found.mode);
+    Some(StabilizableReason::CriticalMode { function, orders: [above.order, below.order] })
+}
+
+/// Continuous feedback in the plane with one input that moves the state at the point: with a function y that it does not influence,
+/// x' = u, y' = h(x, y) after feedback, which continuous feedback stabilizes if and only if h takes negative values where y > 0 and
+/// positive ones where y < 0, arbitrarily near the point (Dayawansa, Martin, and Knowles 1990).
+pub(crate) fn in_the_plane(
+    pool: &mut Pool,
+    frame: &Frame,
+    evidence: &mut Evidence,
+) -> Result<Option<StabilizableReason>, Undecided> {
+    let fields = &frame.fields;
+    let (variables, offsets) = frame.deviations(pool);
+    for function in candidates(pool, frame, &fields.controls, evidence)? {
+        let at_point = frame.value_at_point(pool, function);
+        let above = pool.sub(function, at_point);
+        let above = pool.substitute(above, &offsets);
+        let Some((y, map)) = solved(pool, above, &variables, |_, y| y) else { continue };
+        let rate = pool.lie_derivative(function, &fields.states, &fields.drift);
+        let rate = tidy(pool, rate);
+        let rate = pool.substitute(rate, &offsets);
+        let rate = pool.substitute(rate, &map);
+        let order: Vec<Symbol> = std::iter::once(y).chain(variables.iter().copied().filter(|s| *s != y)).collect();
+        let Some(rate) = polynomial(pool, frame, rate, &order, DEGREE[0]) else { continue };
+        let curve = |sign| Curve::of(&rate, sign, DEGREE[0], &Rational::ZERO);
+        if curve(1).is_some() && curve(-1).is_some() {
+            let function = Function::new(pool, function);
+            return Ok(Some(StabilizableReason::PlanarSigns { function }));
+        }
+    }
+    Ok(None)
+}
+
+/// f + Σ u_i g_i in deviations from the point and of the inputs, up to a degree.
+fn expanded(pool: &mut Pool, frame: &Frame, degree: u32) -> Option<Vec<MultivariatePolynomial>> {
+    let (mut variables, offsets) = frame.deviations(pool);
+    let n = variables.len();
+    let inputs: Vec<Symbol> = (0..frame.fields.controls.len()).map(|k| pool.symbol(&format!("offset {k}"))).collect();
+    variables.extend(&inputs);
+    let mut field = Vec::new();
+    for i in 0..n {
+        let at = |pool: &mut Pool, e: Expr, k: u32| {
+            let e = pool.substitute(e, &offsets);
+            polynomial(pool, frame, e, &variables, k)
+        };
+        let mut f = at(pool, frame.fields.drift[i], degree)?;
+        for (k, g) in frame.fields.controls.iter().enumerate() {
+            let input = MultivariatePolynomial::term(
+                Rational::ONE,
+                (0..variables.len()).map(|j| u32::from(j == n + k)).collect(),
+            );
+            let g = at(pool, g[i], degree - 1)?;
+            f = f.plus(&g.times_up_to(&input, degree), &Rational::ONE);
+        }
+        field.push(f);
+    }
+    Some(field)
+}
+
+/// A function of deviations from the point as a polynomial, or its Taylor polynomial of a degree.
+fn polynomial(
+    pool: &mut Pool,
+    frame: &Frame,
+    e: Expr,
+    variables: &[Symbol],
+    degree: u32,
+) -> Option<MultivariatePolynomial> {
+    let e = frame.constants_in(pool, e);
+    MultivariatePolynomial::of(pool, e, variables)
+        .or_else(|| MultivariatePolynomial::taylor(pool, e, variables, degree as usize))
+}
+
+fn combination(pool: &mut Pool, states: &[Symbol], coefficients: &[Rational]) -> Function {
+    let mut sum = pool.int(0);
+    for (&s, c) in states.iter().zip(coefficients) {
+        let (s, c) = (pool.sym(s), pool.rational(c.clone()));
+        let term = pool.mul(c, s);
+        sum = pool.add(sum, term);
+    }
+    let sum = pool.simplify(sum);
+    Function::new(pool, sum)
+}
