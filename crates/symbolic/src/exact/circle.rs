@@ -1,9 +1,9 @@
 //! Sines and cosines: points on the unit circle over the field, one generator per base angle.
 
-use super::echelon::combination;
 use super::field::{Residue, THIRD_OFFSET, gcd};
 use super::kernels::{Angle, AngleKind};
-use super::lowering::{FRACTION_BOUND, Lowering, Stop};
+use super::linear_relation::Kernels;
+use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Point, Reg, Step, turned};
 use crate::pool::{Expr, Node};
 
@@ -11,8 +11,6 @@ use crate::pool::{Expr, Node};
 pub(super) const MAX_MULTIPLE: u64 = 1 << 32;
 /// Most terms of a sum among which a new indeterminate is sought.
 const MAX_TERMS: usize = 32;
-/// Trial points beyond the number of unknowns of a linear relation.
-pub(super) const SPARE: usize = 6;
 
 impl<const C: u64> Lowering<'_, C> {
     /// Registers of the cosine and sine of `arg`.
@@ -26,7 +24,7 @@ impl<const C: u64> Lowering<'_, C> {
         } else {
             let mut basis = vec![self.pi()];
             basis.extend(self.circle.basis.iter().map(|a| a.value));
-            self.relation(arg, &basis, value)?
+            self.relation(arg, Kernels::Angles, &basis, value)?
         };
         let point = match relation {
             None => {
@@ -69,26 +67,6 @@ impl<const C: u64> Lowering<'_, C> {
         (0..terms.len()).any(|k| {
             new(terms[k]).is_some_and(|s| (0..terms.len()).all(|l| l == k || !self.pool.depends_on(terms[l], s)))
         })
-    }
-
-    /// The rational coefficients by which register `value` is a combination of `basis`; `None` if it is independent.
-    pub(super) fn relation(&mut self, e: Expr, basis: &[Reg], value: Reg) -> Result<Option<Vec<(i64, i64)>>, Stop> {
-        let mut all = basis.to_vec();
-        all.push(value);
-        let n = basis.len() + SPARE;
-        let at = self.trials(&all, n);
-        if at.len() < n {
-            return Err(self.few_trials(e, 2 * n, "its argument has no value at most points"));
-        }
-        let columns: Vec<_> = basis.iter().map(|&r| self.values(r, &at)).collect();
-        let Ok(found) = combination(&columns, &self.values(value, &at)) else {
-            return Err(self.kernel(e, "arguments of such functions are related in a way that was not resolved"));
-        };
-        let Some(c) = found else { return Ok(None) };
-        match c.iter().map(|c| c.to_fraction(FRACTION_BOUND)).collect() {
-            Some(fractions) => Ok(Some(fractions)),
-            None => Err(self.kernel(e, "its argument is an irrational multiple of others")),
-        }
     }
 
     /// cos and sin of a rational combination of π and the base angles.

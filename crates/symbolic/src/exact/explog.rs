@@ -11,6 +11,7 @@ use super::circle::MAX_MULTIPLE;
 use super::constants::factors;
 use super::field::{Residue, gcd};
 use super::kernels::Power;
+use super::linear_relation::Kernels;
 use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use super::relation::Relation;
@@ -26,7 +27,7 @@ impl<const C: u64> Lowering<'_, C> {
             return Ok(r);
         }
         let basis: Vec<Reg> = self.explog.basis.iter().map(|b| b.0).collect();
-        let r = match self.relation(e, &basis, a)? {
+        let r = match self.relation(e, Kernels::Exponents, &basis, a)? {
             None => {
                 let parts = self.requirements.exponents.get(&basis.len()).copied().unwrap_or(1);
                 let slot = self.generator(Generator::Free);

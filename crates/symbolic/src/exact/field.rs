@@ -299,7 +299,7 @@ mod tests {
     }
 
     fn has_small_roots<const C: u64>(last: u64) {
-        let is_prime = |n: u64| (2..n).all(|d| n % d != 0);
+        let is_prime = |n: u64| (2..n).all(|d| !n.is_multiple_of(d));
         for n in (2..=last).filter(|&n| is_prime(n)) {
             assert!(Residue::<C>::new(n).is_residue(), "{n}");
         }

@@ -7,12 +7,12 @@
 
 use dashu_ratio::RBig;
 
-use super::circle::SPARE;
 use super::constants::{exact_root, factors};
 use super::echelon::Echelon;
 use super::field::Residue;
 use super::gaussian::GaussianAngle;
 use super::kernels::{Angle, AngleKind};
+use super::linear_relation::SPARE;
 use super::lower::inverse_modulo;
 use super::lowering::{FRACTION_BOUND, Lowering, Stop};
 use super::program::{Generator, Reg, Step};

@@ -9,6 +9,7 @@ use super::Undecided;
 use super::character::Character;
 use super::field::{Random, Residue};
 use super::kernels::{Circle, ExpLog, Roots};
+use super::linear_relation::LinearRelations;
 use super::program::{Generator, Program, Reg, Step, draw};
 use crate::pool::{Expr, Pool};
 
@@ -69,6 +70,7 @@ pub(super) struct Lowering<'a, const C: u64> {
     pub(super) circle: Circle,
     pub(super) explog: ExpLog,
     pub(super) roots: Roots,
+    pub(super) relations: LinearRelations<C>,
     pub(super) character: OnceCell<Character<C>>,
     /// Large factors of integer constants met so far.
     pub(super) found: Vec<u64>,
@@ -97,6 +99,7 @@ impl<'a, const C: u64> Lowering<'a, C> {
             circle: Circle::default(),
             explog: ExpLog::default(),
             roots: Roots::default(),
+            relations: LinearRelations::default(),
             character: OnceCell::new(),
             found: Vec::new(),
         }

@@ -3,6 +3,7 @@
 mod cases;
 mod character;
 mod circle;
+mod combinations;
 mod compose;
 mod constant_sign;
 mod constants;
@@ -15,6 +16,7 @@ mod field_element;
 mod gaussian;
 mod inverse_angle;
 mod kernels;
+mod linear_relation;
 mod lower;
 mod lowering;
 mod primes;
