@@ -5,14 +5,17 @@ use rustc_hash::FxHashMap;
 
 use crate::algebra::integrals::search::integrals_of_involutive;
 use crate::evidence::Evidence;
+use crate::feedback::center_pair::CenterPair;
 use crate::feedback::lyapunov::{PolynomialField, Shown};
 use crate::feedback::zero_dynamics::Set;
 use crate::linear::matrix::{RationalMatrix, semidefinite};
 use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::spectrum::squared_frequency;
 use crate::reason::MinimumPhaseReason;
 
-/// Order of the expansion on the center manifold.
+/// Order of the expansion on the center manifold, and most coordinates for a pair ±iω.
 const ORDER: usize = 5;
+const MAX_COORDINATES: usize = 6;
 
 /// z' = F(z) on a set, with an equilibrium at its point.
 pub(crate) struct Critical<'a> {
@@ -24,8 +27,8 @@ pub(crate) struct Critical<'a> {
 }
 
 impl Critical<'_> {
-    /// Whether the equilibrium is asymptotically stable, by a polynomial Lyapunov function, a center manifold of dimension 1, or
-    /// a first integral; `None` if none of them decides.
+    /// Whether the equilibrium is asymptotically stable, by a polynomial Lyapunov function, a center manifold of dimension 1, a
+    /// pair ±iω, or a first integral; `None` if none of them decides.
     pub(crate) fn decide(&self, pool: &mut Pool, evidence: &mut Evidence) -> Option<(bool, MinimumPhaseReason)> {
         let (symbols, components) = self.about_the_point(pool)?;
         let polynomials: Option<Vec<MultivariatePolynomial>> =
@@ -33,16 +36,28 @@ impl Critical<'_> {
         if let Some(found) = polynomials.as_ref().and_then(|p| PolynomialField(p).shown()) {
             return Some(self.reason(pool, &symbols, &found));
         }
-        if self.on_axis == 1
-            && let Some(expanded) = polynomials.or_else(|| {
-                components.iter().map(|&e| MultivariatePolynomial::taylor(pool, e, &symbols, ORDER)).collect()
-            })
-            && let Some((order, c)) = PolynomialField(&expanded).on_center_manifold(ORDER)
-        {
+        let expanded = polynomials
+            .or_else(|| components.iter().map(|&e| MultivariatePolynomial::taylor(pool, e, &symbols, ORDER)).collect());
+        expanded.and_then(|field| self.on_center_manifold(&field)).or_else(|| self.first_integral(pool, evidence))
+    }
+
+    /// By a center manifold of dimension 1, or that of a pair ±iω.
+    fn on_center_manifold(&self, field: &[MultivariatePolynomial]) -> Option<(bool, MinimumPhaseReason)> {
+        if self.on_axis == 1 {
+            let (order, c) = PolynomialField(field).on_center_manifold(ORDER)?;
             let stable = order % 2 == 1 && c < Rational::ZERO;
             return Some((stable, MinimumPhaseReason::CenterManifold { order, falls: c < Rational::ZERO }));
         }
-        self.first_integral(pool, evidence)
+        if self.on_axis == 2 && field.len() <= MAX_COORDINATES {
+            let n = field.len();
+            let unit = |k: usize| (0..n).map(|i| u32::from(i == k)).collect::<Vec<_>>();
+            let rows = field.iter().map(|f| (0..n).map(|k| f.coefficient(&unit(k))).collect()).collect();
+            let axis = squared_frequency(&RationalMatrix::new(rows, n).characteristic_polynomial())?;
+            let (order, l) = CenterPair::of(field, 0, &axis)?.focal_value(ORDER as u32)?;
+            let falls = l < Rational::ZERO;
+            return Some((falls, MinimumPhaseReason::FocalValue { order, falls }));
+        }
+        None
     }
 
     /// The equations in deviations from the point, parameters at their values, with a symbol for each deviation.

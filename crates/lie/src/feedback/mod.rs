@@ -1,5 +1,6 @@
 //! What feedback can do: relative degrees, linearization, flatness, zero dynamics.
 
+pub(crate) mod center_pair;
 pub(crate) mod characteristic;
 pub(crate) mod critical;
 pub(crate) mod extension;
