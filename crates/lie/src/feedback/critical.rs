@@ -6,6 +6,7 @@ use rustc_hash::FxHashMap;
 use crate::algebra::integrals::search::integrals_of_involutive;
 use crate::evidence::Evidence;
 use crate::feedback::center_pair::CenterPair;
+use crate::feedback::logarithmic_integral::logarithmic_integrals;
 use crate::feedback::lyapunov::{PolynomialField, Shown};
 use crate::feedback::zero_dynamics::Set;
 use crate::linear::matrix::{RationalMatrix, semidefinite};
@@ -73,15 +74,20 @@ impl Critical<'_> {
             moved.insert(pool.sym(z), sum);
         }
         let equations = pool.substitute_all(self.equations, &moved);
+        let equations = self.with_values(pool, &equations);
+        Some((symbols, equations))
+    }
+
+    /// Expressions with parameters at their values.
+    fn with_values(&self, pool: &mut Pool, list: &[Expr]) -> Vec<Expr> {
         let mut values: FxHashMap<Expr, Expr> = FxHashMap::default();
-        for s in pool.symbols_of(&equations) {
+        for s in pool.symbols_of(list) {
             if let Some(value) = self.set.fields.bindings.get(s).cloned() {
                 let x = pool.sym(s);
                 values.insert(x, pool.rational(value));
             }
         }
-        let equations = pool.substitute_all(&equations, &values);
-        Some((symbols, equations))
+        pool.substitute_all(list, &values)
     }
 
     fn reason(&self, pool: &mut Pool, symbols: &[Symbol], shown: &Shown) -> (bool, MinimumPhaseReason) {
@@ -119,12 +125,25 @@ impl Critical<'_> {
         let bindings = &self.set.fields.bindings;
         let basis = [self.equations.to_vec()];
         let found = integrals_of_involutive(pool, self.states, &basis, &[], bindings, evidence).ok()?;
-        let smooth: Vec<Expr> =
+        let mut smooth: Vec<Expr> =
             found.functions.into_iter().filter(|&h| self.analytic_at_point(pool, h, evidence)).collect();
+        smooth.extend(self.with_logarithms(pool));
         let extremum = smooth.iter().copied().find(|&h| self.has_strict_extremum(pool, h, evidence));
         let function = extremum.or_else(|| smooth.first().copied())?;
         let function = Function::new(pool, function);
         Some((false, MinimumPhaseReason::Conserved { function, stable: extremum.is_some() }))
+    }
+
+    /// Integrals with logarithms of states that are not zero at the point, such as those of predator and prey.
+    fn with_logarithms(&self, pool: &mut Pool) -> Vec<Expr> {
+        let states: Vec<Expr> = self.states.iter().map(|&z| pool.sym(z)).collect();
+        let Some(values) = self.set.rationals(pool, &states) else { return Vec::new() };
+        let signs: Vec<Option<bool>> =
+            values.iter().map(|v| (*v != Rational::ZERO).then_some(*v > Rational::ZERO)).collect();
+        let equations = self.with_values(pool, self.equations);
+        let field: Option<Vec<MultivariatePolynomial>> =
+            equations.into_iter().map(|e| MultivariatePolynomial::of(pool, e, self.states)).collect();
+        field.map_or_else(Vec::new, |field| logarithmic_integrals(pool, self.states, &signs, &field))
     }
 
     /// Whether nothing in the function is seen to fail at the point: denominators do not vanish there, and other powers and

@@ -8,6 +8,7 @@ pub(crate) mod flat_pairs;
 pub(crate) mod flatness;
 pub(crate) mod flatness_report;
 pub(crate) mod input_output;
+pub(crate) mod logarithmic_integral;
 pub(crate) mod lyapunov;
 pub(crate) mod minimum_phase;
 pub(crate) mod outputs;

@@ -8,12 +8,17 @@ use proptest::prelude::*;
 
 /// The system y' = u with z' = F(z) + y beside it: the zero dynamics of y are z' = F(z).
 fn zero_dynamics(states: &[&str], equations: &[&str]) -> ZeroDynamicsReport {
+    zero_dynamics_at(states, equations, &[])
+}
+
+/// The same about another point than the origin.
+fn zero_dynamics_at(states: &[&str], equations: &[&str], at: &[(&str, &str)]) -> ZeroDynamicsReport {
     let mut names = vec!["y"];
     names.extend(states);
     let mut rhs = vec!["u".to_owned()];
     rhs.extend(equations.iter().map(|e| format!("{e} + y")));
     let rhs: Vec<&str> = rhs.iter().map(String::as_str).collect();
-    let s = system(&names, &["u"], &[], &rhs, &["y"], Some(&[]));
+    let s = system(&names, &["u"], &[], &rhs, &["y"], Some(at));
     let report = analyze_affine(&s, &AnalysisOptions::default()).unwrap().control.input_output.unwrap();
     report.zero_dynamics.unwrap().known().unwrap().clone()
 }
@@ -92,6 +97,23 @@ fn nonzero() -> impl Strategy<Value = i64> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(10))]
+
+    /// Predator and prey: p x − a log x + q y − b log y is constant. With c x² more, prey limits itself, and the equilibrium attracts
+    /// or repels.
+    #[test]
+    fn predator_and_prey(a in 1_i64..4, b in 1_i64..4, p in 1_i64..4, q in 1_i64..4, c in nonzero()) {
+        // About x = b/p, y = a/q.
+        let at = [("x", format!("{b}/{p}")), ("z", format!("{a}/{q}"))];
+        let at: Vec<(&str, &str)> = at.iter().map(|(n, v)| (*n, v.as_str())).collect();
+        let (prey, predator) = (format!("x*({a} - {q}*z)"), format!("z*({p}*x - {b})"));
+        let free = zero_dynamics_at(&["x", "z"], &[&prey, &predator], &at);
+        prop_assert_eq!(free.minimum_phase, Answer::Known(false));
+        let reason = free.minimum_phase_reason.unwrap();
+        prop_assert!(matches!(reason, MinimumPhaseReason::Conserved { stable: true, .. }), "{}", reason);
+        let limited = format!("{prey} - {c}*x*({p}*x - {b})");
+        let limited = zero_dynamics_at(&["x", "z"], &[&limited, &predator], &at);
+        prop_assert_eq!(limited.minimum_phase, Answer::Known(c > 0));
+    }
 
     /// q = k a² + b² with q' = 2 c q^(j + 1): the sign of c decides, in coordinates B = b + p a², A = a + r B² and beside a
     /// decaying state W = w + m a² that acts on the pair.
