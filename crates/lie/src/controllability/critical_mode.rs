@@ -1,4 +1,4 @@
-//! Feedback at an equilibrium whose linearization leaves one mode on the imaginary axis, or in the plane.
+//! Feedback at an equilibrium with uncontrollable modes on the imaginary axis, or in the plane.
 
 use bracketry_symbolic::{Expr, Function, Pool, Rational, Symbol};
 
@@ -10,8 +10,9 @@ use crate::controllability::monotone::candidates;
 use crate::controllability::region::solved;
 use crate::controllability::slow_equilibria::SlowEquilibria;
 use crate::evidence::Evidence;
+use crate::feedback::center_pair::CenterPair;
 use crate::linear::polynomial::MultivariatePolynomial;
-use crate::linear::spectrum::Spectrum;
+use crate::linear::spectrum::{Spectrum, squared_frequency};
 use crate::reason::StabilizableReason;
 use crate::undecided::Undecided;
 
@@ -20,6 +21,28 @@ const DEGREE: [u32; 2] = [7, 5];
 const MAX_STATES: usize = 8;
 const MAX_INPUTS: usize = 3;
 
+/// Feedback that stabilizes through the critical modes: one with the eigenvalue 0, or an oscillating pair ±iω, while the others decay
+/// or are controllable.
+pub(crate) fn by_critical_modes(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
+    let (n, m) = (frame.fields.states.len(), frame.fields.controls.len());
+    if n > MAX_STATES || m == 0 || m > MAX_INPUTS {
+        return None;
+    }
+    let (a, b) = rational_matrices(pool, frame)?;
+    let rest = quotient_by_reachable(&a, &b).characteristic_polynomial();
+    let spectrum = Spectrum::of_polynomial(&rest);
+    match (spectrum.on_axis, spectrum.right) {
+        (1, 0) => by_slow_mode(pool, frame),
+        (2, 0) => {
+            let axis = squared_frequency(&rest)?;
+            let field = expanded(pool, frame, 3)?;
+            let attracts = CenterPair::of(&field, m, &axis)?.attracts_by_feedback()?;
+            attracts.then_some(StabilizableReason::OscillatingPair)
+        }
+        _ => None,
+    }
+}
+
 /// Feedback that stabilizes through one mode s on the imaginary axis, whose eigenvalue is 0, while the other modes decay or are
 /// controllable.
 ///
@@ -27,16 +50,8 @@ const MAX_INPUTS: usize = 3;
 /// feedback u = U(s, φ(s)) + K (x − X(s, φ(s))) stabilizes, where K stabilizes the modes that inputs reach. Proof. For
 /// z = x − X, which is in the kernel of w, z' = H z + O(|β|) + O((|s| + |z|)|z|) with a Hurwitz H, and
 /// s' = β + O((|s| + |z|)|z|). With a norm of z for which e^(H t) contracts, |s| + μ |z| decays for small μ > 0, near 0.
-pub(crate) fn by_critical_mode(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
-    let (n, m) = (frame.fields.states.len(), frame.fields.controls.len());
-    if n > MAX_STATES || m == 0 || m > MAX_INPUTS {
-        return None;
-    }
-    let (a, b) = rational_matrices(pool, frame)?;
-    let spectrum = Spectrum::of(&quotient_by_reachable(&a, &b));
-    if (spectrum.on_axis, spectrum.right) != (1, 0) {
-        return None;
-    }
+fn by_slow_mode(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
+    let m = frame.fields.controls.len();
     let degree = DEGREE[usize::from(m > 1)];
     let field = expanded(pool, frame, degree)?;
     let found = SlowEquilibria::of(&field, m, degree)?;

@@ -4,7 +4,7 @@ use bracketry_symbolic::{Rational, UnivariatePolynomial};
 
 use crate::linear::polynomial::MultivariatePolynomial;
 
-/// v = κ d t^α, or that added to whole powers of t below: a function of (t, v) is negative there for
+/// v_k = κ t^α, or that added to whole powers of t below, and the other parameters 0: a function of (t, v) is negative there for
 /// small t > 0.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Curve {
@@ -14,88 +14,95 @@ pub(crate) struct Curve {
     pub(crate) order: Rational,
 }
 
-/// Most terms whose exponents give the powers that are tried, and most terms c t^k that are split off from a curve before.
+/// Most terms whose exponents give the powers that are tried; most terms c t^k that are split off from a curve before, and of ways to
+/// choose each.
 const MAX_TERMS: usize = 60;
 const MAX_SHIFTS: usize = 3;
+const MAX_ROOTS: usize = 4;
+/// A multiple of t that is added to a parameter before another one is chosen.
+const TOGETHER: i64 = 3;
 
 impl Curve {
     /// A curve on which `sign` b(sign·t, v) is negative, with a power of at least `least`, where the terms of b above `degree` are not
-    /// known. On v = κ d t^α, for a direction d, the terms of b with the least i + α j decide; those α are tried at which several terms
-    /// are equal (the slopes of Newton's polygon), and some between and beyond them.
+    /// known. On v_k = κ t^α the terms of b with the least i + α j decide; those α are tried at which several terms are equal (the
+    /// slopes of Newton's polygon), and some between and beyond them.
     pub(crate) fn of(b: &MultivariatePolynomial, sign: i64, degree: u32, least: &Rational) -> Option<Curve> {
-        let parameters = b.terms().next()?.0.len() - 1;
-        directions(parameters).into_iter().find_map(|d| {
-            let mut along = MultivariatePolynomial::default();
-            for (m, c) in b.terms() {
-                let factor = d.iter().zip(&m[1..]).map(|(&d, &k)| d.pow(k)).product::<i64>();
-                let flips = if sign < 0 && m[0] % 2 == 0 { -1 } else { 1 };
-                along.add_term(vec![m[0], m[1..].iter().sum()], c * Rational::from(factor * flips));
-            }
-            Self::below(&along, degree, least, MAX_SHIFTS)
-        })
+        let mut signed = MultivariatePolynomial::default();
+        for (m, c) in b.terms() {
+            let flips = sign < 0 && m[0] % 2 == 0;
+            signed.add_term(m.clone(), if flips { -c.clone() } else { c.clone() });
+        }
+        Self::below(&signed, degree, least, MAX_SHIFTS)
     }
 
-    /// The same for a function of (t, v), where t > 0.
+    /// The same for `sign` = 1.
     fn below(b: &MultivariatePolynomial, degree: u32, least: &Rational, shifts: usize) -> Option<Curve> {
-        let terms: Vec<(u32, u32, Rational)> = b.terms().map(|(m, c)| (m[0], m[1], c.clone())).collect();
-        if terms.is_empty() || terms.len() > MAX_TERMS {
-            return None;
-        }
-        let mut shifted = Vec::new();
-        for power in powers(&terms, least) {
-            let weight = |(i, j, _): &(u32, u32, Rational)| Rational::from(*i) + &power * Rational::from(*j);
-            let order = terms.iter().map(weight).min()?;
-            let unknown = Rational::from(degree + 1) * (&power).min(&Rational::ONE);
-            if order >= unknown {
-                continue;
-            }
-            let highest = terms.iter().map(|t| t.1).max()? as usize;
-            let mut leading = vec![Rational::ZERO; highest + 1];
-            for t in terms.iter().filter(|t| weight(t) == order) {
-                leading[t.1 as usize] += &t.2;
-            }
-            let leading = UnivariatePolynomial::new(leading);
-            if between_roots(&leading).iter().any(|x| leading.at(x) < Rational::ZERO) {
-                return Some(Curve { power, order });
-            }
-            // Where the leading terms cancel, later ones decide.
-            if let Some(k) = whole(&power) {
-                let roots = leading.roots().into_iter().filter_map(|r| r.exact).filter(|x| *x != Rational::ZERO);
-                shifted.extend(roots.map(|x| (k, x)));
+        let variables = b.terms().next()?.0.len();
+        let mut cancel = Vec::new();
+        for k in 1..variables {
+            let on_axis = |m: &[u32]| m.iter().enumerate().all(|(i, e)| i == 0 || i == k || *e == 0);
+            let terms: Vec<Term> =
+                b.terms().filter(|(m, _)| on_axis(m)).map(|(m, c)| (m[0], m[k], c.clone())).collect();
+            match along(&terms, degree, least) {
+                Along::Falls(curve) => return Some(curve),
+                Along::Cancel(roots) => cancel.extend(roots.into_iter().map(|(power, x)| (k, power, x))),
             }
         }
-        shifted.into_iter().filter(|_| shifts > 0).find_map(|(k, x)| {
-            let t = MultivariatePolynomial::term(Rational::ONE, vec![1, 0]);
-            let v = MultivariatePolynomial::term(Rational::ONE, vec![0, 1]);
-            let v = v.plus(&MultivariatePolynomial::term(x, vec![k, 0]), &Rational::ONE);
-            let least = Rational::from(k) + Rational::ONE;
-            Self::below(&b.composed(&[t, v], 2, degree), degree, &least, shifts - 1)
+        cancel.truncate(MAX_ROOTS);
+        if variables > 2 && shifts == MAX_SHIFTS {
+            // Several parameters may have to change together.
+            let sizes = [1, -1].map(|sign| Rational::from(sign * TOGETHER));
+            cancel.extend((1..variables).flat_map(|k| sizes.clone().map(|x| (k, 1, x))));
+        }
+        // Where leading terms cancel, later ones decide.
+        cancel.into_iter().filter(|_| shifts > 0).find_map(|(k, power, x)| {
+            let unit = |i: usize| (0..variables).map(|j| u32::from(i == j)).collect::<Vec<_>>();
+            let mut values: Vec<_> =
+                (0..variables).map(|i| MultivariatePolynomial::term(Rational::ONE, unit(i))).collect();
+            values[k].add_term((0..variables).map(|j| if j == 0 { power } else { 0 }).collect(), x);
+            Self::below(&b.composed(&values, variables, degree), degree, least, shifts - 1)
         })
     }
 }
 
-/// One parameter alone, and two with the ratios ±1, ±2, ±1/2.
-fn directions(n: usize) -> Vec<Vec<i64>> {
-    let with = |entries: &[(usize, i64)]| {
-        let mut d = vec![0; n];
-        entries.iter().for_each(|&(k, c)| d[k] = c);
-        d
-    };
-    let mut list: Vec<Vec<i64>> = (0..n).map(|k| with(&[(k, 1)])).collect();
-    for k in 1..n {
-        for j in 0..k {
-            list.extend([(1, 1), (1, -1), (1, 2), (1, -2), (2, 1), (2, -1)].map(|(a, b)| with(&[(j, a), (k, b)])));
-        }
-    }
-    list
+/// c t^i v^j by i, j, and c.
+type Term = (u32, u32, Rational);
+
+/// What curves v = κ t^α show of a function of (t, v).
+enum Along {
+    Falls(Curve),
+    /// The leading terms cancel for these whole α and rational κ.
+    Cancel(Vec<(u32, Rational)>),
 }
 
-fn whole(x: &Rational) -> Option<u32> {
-    (1..=MAX_TERMS as u32).find(|k| Rational::from(*k) == *x)
+fn along(terms: &[Term], degree: u32, least: &Rational) -> Along {
+    let mut cancel = Vec::new();
+    if terms.len() > MAX_TERMS {
+        return Along::Cancel(cancel);
+    }
+    let highest = terms.iter().map(|t| t.1).max().unwrap_or(0) as usize;
+    for power in powers(terms, least) {
+        let weight = |(i, j, _): &Term| Rational::from(*i) + &power * Rational::from(*j);
+        let unknown = Rational::from(degree + 1) * (&power).min(&Rational::ONE);
+        let Some(order) = terms.iter().map(weight).min().filter(|order| *order < unknown) else { continue };
+        let mut leading = vec![Rational::ZERO; highest + 1];
+        for t in terms.iter().filter(|t| weight(t) == order) {
+            leading[t.1 as usize] += &t.2;
+        }
+        let leading = UnivariatePolynomial::new(leading);
+        if between_roots(&leading).iter().any(|x| leading.at(x) < Rational::ZERO) {
+            return Along::Falls(Curve { power, order });
+        }
+        if let Some(k) = (1..=degree).find(|k| Rational::from(*k) == power) {
+            let roots = leading.roots().into_iter().filter_map(|r| r.exact).filter(|x| *x != Rational::ZERO);
+            cancel.extend(roots.map(|x| (k, x)));
+        }
+    }
+    Along::Cancel(cancel)
 }
 
 /// The powers at which two terms are equal, those between, one beyond, and the least that is allowed.
-fn powers(terms: &[(u32, u32, Rational)], least: &Rational) -> Vec<Rational> {
+fn powers(terms: &[Term], least: &Rational) -> Vec<Rational> {
     let mut all: Vec<Rational> = Vec::new();
     for a in terms {
         for b in terms.iter().filter(|b| b.1 > a.1 && b.0 < a.0) {

@@ -9,6 +9,7 @@ pub(crate) mod consistency;
 pub(crate) mod critical_mode;
 pub(crate) mod decide;
 pub(crate) mod descent;
+pub(crate) mod function_pencil;
 pub(crate) mod holding;
 pub(crate) mod impulses;
 pub(crate) mod input_set;

@@ -8,6 +8,7 @@ use crate::algebra::integrals::search::integrals;
 use crate::algebra::rational::readable::tidy;
 use crate::algebra::span::vanishes;
 use crate::budget::check_growth;
+use crate::controllability::function_pencil::combinations;
 use crate::controllability::impulses::is_entire;
 use crate::controllability::input_values::Side;
 use crate::controllability::local_accessibility::Frame;
@@ -24,7 +25,8 @@ use crate::undecided::Undecided;
 /// Then φ(x) ≥ φ(x0) on all that is reached (by Gronwall's inequality), and x0 is no interior point of it, whatever the inputs
 /// are: near x0, or however far the state goes. For k = 0, the only one but for [`Region::Level`], φ never falls, or not where the region is.
 /// φ is sought among the integrals of the input fields, and of their brackets with the drift, so that it does not depend on
-/// the coordinates in which the system is given; everywhere it and its rate have to be defined for all states.
+/// the coordinates in which the system is given, and among their combinations whose rates are semidefinite to second order;
+/// everywhere it and its rate have to be defined for all states.
 pub(crate) fn monotone_function(
     pool: &mut Pool,
     frame: &Frame,
@@ -41,7 +43,9 @@ pub(crate) fn monotone_function(
     }
     let (variables, offsets) = frame.deviations(pool);
     let signs = NearOrigin { frame, variables, everywhere: extent.everywhere };
-    for function in candidates(pool, frame, &free, evidence)? {
+    let mut functions = candidates(pool, frame, &free, evidence)?;
+    functions.extend(combinations(pool, frame, &functions));
+    for function in functions {
         let gradient: Field = pool.gradient(function, &states);
         let Ok(slopes) = frame.evaluate(pool, std::slice::from_ref(&gradient), evidence) else { continue };
         let steady = slopes.concat().iter().all(|d| *d == Fp::ZERO);

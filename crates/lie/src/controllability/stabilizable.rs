@@ -4,7 +4,7 @@ use bracketry_symbolic::{Expr, Function, Pool};
 
 use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
-use crate::controllability::critical_mode::{by_critical_mode, in_the_plane};
+use crate::controllability::critical_mode::{by_critical_modes, in_the_plane};
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::{Linearization, is_hurwitz, is_linear, uncontrollable};
@@ -98,7 +98,7 @@ pub(crate) fn stabilizable(
                 Err(why) => return (Answer::Unknown(why.clone().into()), StabilizableReason::Open(why.into())),
             }
         }
-        if let Some(why) = by_critical_mode(pool, at.frame) {
+        if let Some(why) = by_critical_modes(pool, at.frame) {
             return known(true, why);
         }
     }

@@ -5,14 +5,18 @@ use rustc_hash::FxHashMap;
 
 use crate::algebra::integrals::search::integrals_of_involutive;
 use crate::evidence::Evidence;
+use crate::feedback::center_pair::CenterPair;
+use crate::feedback::logarithmic_integral::logarithmic_integrals;
 use crate::feedback::lyapunov::{PolynomialField, Shown};
 use crate::feedback::zero_dynamics::Set;
 use crate::linear::matrix::{RationalMatrix, semidefinite};
 use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::spectrum::squared_frequency;
 use crate::reason::MinimumPhaseReason;
 
-/// Order of the expansion on the center manifold.
+/// Order of the expansion on the center manifold, and most coordinates for a pair ±iω.
 const ORDER: usize = 5;
+const MAX_COORDINATES: usize = 6;
 
 /// z' = F(z) on a set, with an equilibrium at its point.
 pub(crate) struct Critical<'a> {
@@ -24,8 +28,8 @@ pub(crate) struct Critical<'a> {
 }
 
 impl Critical<'_> {
-    /// Whether the equilibrium is asymptotically stable, by a polynomial Lyapunov function, a center manifold of dimension 1, or
-    /// a first integral; `None` if none of them decides.
+    /// Whether the equilibrium is asymptotically stable, by a polynomial Lyapunov function, a center manifold of dimension 1, a
+    /// pair ±iω, or a first integral; `None` if none of them decides.
     pub(crate) fn decide(&self, pool: &mut Pool, evidence: &mut Evidence) -> Option<(bool, MinimumPhaseReason)> {
         let (symbols, components) = self.about_the_point(pool)?;
         let polynomials: Option<Vec<MultivariatePolynomial>> =
@@ -33,16 +37,28 @@ impl Critical<'_> {
         if let Some(found) = polynomials.as_ref().and_then(|p| PolynomialField(p).shown()) {
             return Some(self.reason(pool, &symbols, &found));
         }
-        if self.on_axis == 1
-            && let Some(expanded) = polynomials.or_else(|| {
-                components.iter().map(|&e| MultivariatePolynomial::taylor(pool, e, &symbols, ORDER)).collect()
-            })
-            && let Some((order, c)) = PolynomialField(&expanded).on_center_manifold(ORDER)
-        {
+        let expanded = polynomials
+            .or_else(|| components.iter().map(|&e| MultivariatePolynomial::taylor(pool, e, &symbols, ORDER)).collect());
+        expanded.and_then(|field| self.on_center_manifold(&field)).or_else(|| self.first_integral(pool, evidence))
+    }
+
+    /// By a center manifold of dimension 1, or that of a pair ±iω.
+    fn on_center_manifold(&self, field: &[MultivariatePolynomial]) -> Option<(bool, MinimumPhaseReason)> {
+        if self.on_axis == 1 {
+            let (order, c) = PolynomialField(field).on_center_manifold(ORDER)?;
             let stable = order % 2 == 1 && c < Rational::ZERO;
             return Some((stable, MinimumPhaseReason::CenterManifold { order, falls: c < Rational::ZERO }));
         }
-        self.first_integral(pool, evidence)
+        if self.on_axis == 2 && field.len() <= MAX_COORDINATES {
+            let n = field.len();
+            let unit = |k: usize| (0..n).map(|i| u32::from(i == k)).collect::<Vec<_>>();
+            let rows = field.iter().map(|f| (0..n).map(|k| f.coefficient(&unit(k))).collect()).collect();
+            let axis = squared_frequency(&RationalMatrix::new(rows, n).characteristic_polynomial())?;
+            let (order, l) = CenterPair::of(field, 0, &axis)?.focal_value(ORDER as u32)?;
+            let falls = l < Rational::ZERO;
+            return Some((falls, MinimumPhaseReason::FocalValue { order, falls }));
+        }
+        None
     }
 
     /// The equations in deviations from the point, parameters at their values, with a symbol for each deviation.
@@ -58,15 +74,20 @@ impl Critical<'_> {
             moved.insert(pool.sym(z), sum);
         }
         let equations = pool.substitute_all(self.equations, &moved);
+        let equations = self.with_values(pool, &equations);
+        Some((symbols, equations))
+    }
+
+    /// Expressions with parameters at their values.
+    fn with_values(&self, pool: &mut Pool, list: &[Expr]) -> Vec<Expr> {
         let mut values: FxHashMap<Expr, Expr> = FxHashMap::default();
-        for s in pool.symbols_of(&equations) {
+        for s in pool.symbols_of(list) {
             if let Some(value) = self.set.fields.bindings.get(s).cloned() {
                 let x = pool.sym(s);
                 values.insert(x, pool.rational(value));
             }
         }
-        let equations = pool.substitute_all(&equations, &values);
-        Some((symbols, equations))
+        pool.substitute_all(list, &values)
     }
 
     fn reason(&self, pool: &mut Pool, symbols: &[Symbol], shown: &Shown) -> (bool, MinimumPhaseReason) {
@@ -104,12 +125,25 @@ impl Critical<'_> {
         let bindings = &self.set.fields.bindings;
         let basis = [self.equations.to_vec()];
         let found = integrals_of_involutive(pool, self.states, &basis, &[], bindings, evidence).ok()?;
-        let smooth: Vec<Expr> =
+        let mut smooth: Vec<Expr> =
             found.functions.into_iter().filter(|&h| self.analytic_at_point(pool, h, evidence)).collect();
+        smooth.extend(self.with_logarithms(pool));
         let extremum = smooth.iter().copied().find(|&h| self.has_strict_extremum(pool, h, evidence));
         let function = extremum.or_else(|| smooth.first().copied())?;
         let function = Function::new(pool, function);
         Some((false, MinimumPhaseReason::Conserved { function, stable: extremum.is_some() }))
+    }
+
+    /// Integrals with logarithms of states that are not zero at the point, such as those of predator and prey.
+    fn with_logarithms(&self, pool: &mut Pool) -> Vec<Expr> {
+        let states: Vec<Expr> = self.states.iter().map(|&z| pool.sym(z)).collect();
+        let Some(values) = self.set.rationals(pool, &states) else { return Vec::new() };
+        let signs: Vec<Option<bool>> =
+            values.iter().map(|v| (*v != Rational::ZERO).then_some(*v > Rational::ZERO)).collect();
+        let equations = self.with_values(pool, self.equations);
+        let field: Option<Vec<MultivariatePolynomial>> =
+            equations.into_iter().map(|e| MultivariatePolynomial::of(pool, e, self.states)).collect();
+        field.map_or_else(Vec::new, |field| logarithmic_integrals(pool, self.states, &signs, &field))
     }
 
     /// Whether nothing in the function is seen to fail at the point: denominators do not vanish there, and other powers and

@@ -1,5 +1,6 @@
 //! What feedback can do: relative degrees, linearization, flatness, zero dynamics.
 
+pub(crate) mod center_pair;
 pub(crate) mod characteristic;
 pub(crate) mod critical;
 pub(crate) mod extension;
@@ -7,6 +8,7 @@ pub(crate) mod flat_pairs;
 pub(crate) mod flatness;
 pub(crate) mod flatness_report;
 pub(crate) mod input_output;
+pub(crate) mod logarithmic_integral;
 pub(crate) mod lyapunov;
 pub(crate) mod minimum_phase;
 pub(crate) mod outputs;

@@ -5,6 +5,7 @@ pub(crate) mod distance;
 pub(crate) mod dominance;
 pub(crate) mod form;
 pub(crate) mod matrix;
+pub(crate) mod pencil;
 pub(crate) mod polynomial;
 pub(crate) mod program;
 pub(crate) mod spectrum;

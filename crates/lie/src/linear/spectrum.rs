@@ -61,11 +61,7 @@ impl Spectrum {
             self.on_axis += multiplicity;
             p = UnivariatePolynomial::new(p.coefficients()[1..].to_vec());
         }
-        // Pairs ±z, as roots z² of the common factor of even and odd part.
-        let part = |parity: usize| {
-            UnivariatePolynomial::new(p.coefficients().iter().skip(parity).step_by(2).cloned().collect())
-        };
-        let pairs = part(0).gcd(&part(1));
+        let pairs = common_of_parts(&p);
         let mut rest = p;
         if pairs.degree() > 0 {
             for square in simple_roots(&pairs) {
@@ -96,6 +92,20 @@ impl Spectrum {
             }
         }
     }
+}
+
+/// ω² > 0 where ±iω are the only pair ±z of roots of a polynomial.
+pub(crate) fn squared_frequency(p: &UnivariatePolynomial) -> Option<Rational> {
+    let pairs = common_of_parts(p);
+    let square = -(pairs.coefficients().first()? / pairs.coefficients().get(1)?);
+    (pairs.degree() == 1 && square < Rational::ZERO).then(|| -square)
+}
+
+/// The polynomial whose roots are the squares z² of the pairs ±z of roots: the common factor of even and odd part.
+fn common_of_parts(p: &UnivariatePolynomial) -> UnivariatePolynomial {
+    let part =
+        |parity: usize| UnivariatePolynomial::new(p.coefficients().iter().skip(parity).step_by(2).cloned().collect());
+    part(0).gcd(&part(1))
 }
 
 /// The root of a rational number that is a square.

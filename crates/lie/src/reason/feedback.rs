@@ -72,6 +72,15 @@ pub enum MinimumPhaseReason {
         /// Whether c < 0.
         falls: bool,
     },
+    /// V' = l q^((k + 1)/2) + … on a center manifold of dimension 2 with a pair ±iω of eigenvalues.
+    #[error("on the center manifold of the oscillating pair, the first focal value, of order {order}, is {} (Lyapunov 1892)",
+        if *.falls { "negative" } else { "positive" })]
+    FocalValue {
+        /// k.
+        order: u32,
+        /// Whether l < 0.
+        falls: bool,
+    },
     /// Not decided.
     #[error(transparent)]
     Open(#[from] Reason),

@@ -72,6 +72,12 @@ pub enum StabilizableReason {
         /// The powers of the mode to which its rate is proportional, above and below the point.
         orders: [Rational; 2],
     },
+    /// A pair of eigenvalues ±iω.
+    #[error(
+        "by smooth feedback that makes the first focal value of the uncontrollable pair of eigenvalues on the imaginary axis negative \
+         (Abed and Fu 1986)"
+    )]
+    OscillatingPair,
     /// A function that never changes to one side, so that it does not return.
     #[error("{function} cannot {change} near the point for any inputs")]
     OneWay {

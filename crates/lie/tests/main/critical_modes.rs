@@ -157,3 +157,29 @@ fn near_misses() {
     // A part that no series shows: exp(−1/x²) is not analytic.
     assert_ne!(verdict(&["x", "v", "y"], &["u"], &["v", "u", "y*abs(x)"]).0, Some(true));
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    /// s1' = s2, s2' = −k s1 + …: an input behind integrators that acts on the amplitude by a s0 s2 or a s0 s1 stabilizes, whatever the
+    /// terms of degree 3. Without it, s0² s2 only adds to c (k s1² + s2²) s2 where b > 0.
+    #[test]
+    fn oscillating_pairs(k in 1_i64..4, a in nonzero(), b in 1_i64..3, c in nonzero(), which in 1_usize..3, chain in 0_usize..2, t in -2_i64..3) {
+        let cubic = format!("{c}*({k}*s1^2 + s2^2)*s2 + {b}*s0^2*s2");
+        let mut acted = vec!["u".to_owned(), "s2".to_owned(), format!("-{k}*s1 + {a}*s0*s{which} + {cubic}")];
+        let mut alone = vec!["u".to_owned(), "s2".to_owned(), format!("-{k}*s1 + {cubic}")];
+        if chain == 1 {
+            for list in [&mut acted, &mut alone] {
+                list[0] = "s3".to_owned();
+                list.push("u".to_owned());
+            }
+        }
+        prop_assert_eq!(hidden(&["u"], &acted, &[(0, 1, t), (1, 0, 1), (2, 1, 1)]), Some(true));
+        let found = hidden(&["u"], &alone, &[(0, 1, t), (1, 0, 1)]);
+        if c < 0 {
+            prop_assert_eq!(found, Some(true));
+        } else {
+            prop_assert_ne!(found, Some(true));
+        }
+    }
+}

@@ -26,6 +26,7 @@ mod parameter_cases;
 mod plate;
 mod ranges;
 mod ruled_manifold;
+mod semidefinite_pencils;
 mod simulated;
 mod stabilizable;
 mod stlc;
