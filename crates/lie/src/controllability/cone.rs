@@ -177,7 +177,7 @@ fn signs(
 
 /// Whether no root in the fields has a base that vanishes at the point, or that may vanish anywhere. With such a root, solutions may leave a half-space
 /// though they are tangent to its boundary.
-fn is_lipschitz(pool: &mut Pool, mode: &Adjacent, everywhere: bool) -> bool {
+pub(crate) fn is_lipschitz(pool: &mut Pool, mode: &Adjacent, everywhere: bool) -> bool {
     let mut roots = mode.frame.fields.controls.concat();
     roots.extend(&mode.frame.fields.drift);
     let states = &mode.fields.states;

@@ -7,6 +7,7 @@ pub(crate) mod canceling_brackets;
 pub(crate) mod cone;
 pub(crate) mod consistency;
 pub(crate) mod critical_mode;
+pub(crate) mod crossing;
 pub(crate) mod decide;
 pub(crate) mod descent;
 pub(crate) mod function_pencil;

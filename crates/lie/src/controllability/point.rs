@@ -159,12 +159,16 @@ pub(crate) fn point_report(
     });
     let (stabilizable, stabilizable_reason) = stabilizable.unzip();
     let restricted = sides.iter().any(Option::is_some);
-    let brockett_condition = linearization.as_ref().map(|l| match stabilizable_reason {
+    let brockett_condition = linearization.as_ref().map(|l| match &stabilizable_reason {
         // A function with dφ(x0) ≠ 0 does not change to one side: −λ dφ(x0) is no rate of it.
         Some(StabilizableReason::OneWay { .. } | StabilizableReason::Leaves { .. }) if !restricted => {
             Answer::Known(false)
         }
-        _ => brockett_condition(pool, &frame, l, evidence),
+        _ => match (brockett_condition(pool, &frame, l, evidence), &stabilizable_reason) {
+            // Continuous feedback that stabilizes needs the condition (Zabczyk 1989).
+            (Answer::Unknown(_), Some(why)) if why.is_by_continuous_state_feedback() => Answer::Known(true),
+            (found, _) => found,
+        },
     });
     let statements = Statements {
         states: n,

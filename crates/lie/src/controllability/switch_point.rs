@@ -7,6 +7,7 @@ use crate::algebra::field::{VectorFields, subtract};
 use crate::answer::Answer;
 use crate::controllability::canceled_switching::canceled;
 use crate::controllability::cone::half_space_of_modes;
+use crate::controllability::crossing::crossed;
 use crate::controllability::meeting::{Adjacent, AtSwitchPoint, Ranges, Verdicts, adjacent, all_modes, only_bounded};
 use crate::controllability::point::PointReport;
 use crate::controllability::region::{Extent, Region};
@@ -119,6 +120,11 @@ fn decide(
     };
     if found.stabilizable.is_some() {
         return Ok(found);
+    }
+    if found.stlc.is_none()
+        && let Some(reason) = crossed(pool, given, &adjacent, evidence)?
+    {
+        found.stlc = Some(Stlc::new(Verdict::Yes, reason));
     }
     if let Some(left) = canceled(pool, given, &adjacent, all.as_deref(), &ranges, evidence)? {
         left.conclude(&mut found);

@@ -114,6 +114,15 @@ pub enum StabilizableReason {
     Open(Reason),
 }
 
+impl StabilizableReason {
+    /// Whether continuous feedback of the state near the values of the inputs at the point stabilizes though linear feedback may
+    /// not.
+    pub(crate) fn is_by_continuous_state_feedback(&self) -> bool {
+        use StabilizableReason::{CriticalMode, OscillatingPair, Planar, PlanarSigns};
+        matches!(self, Planar | PlanarSigns { .. } | CriticalMode { .. } | OscillatingPair)
+    }
+}
+
 /// Of which orders in a mode its rates on both sides are.
 fn of_order([above, below]: &[Rational; 2]) -> String {
     if above == below { format!("order {above}") } else { format!("order {above} above and {below} below the point") }

@@ -148,6 +148,12 @@ pub enum StlcReason {
     /// Filippov's solutions stay on a surface.
     #[error("for all admissible inputs, the motion stays on {0} = 0: both modes drive it there (Filippov)")]
     Sticks(Function),
+    /// An input crosses the surface between two modes.
+    #[error(
+        "no mode has a drift, an input crosses {0} = 0, and in a mode beside it the input fields have full dimension \
+         (Chow–Rashevskii)"
+    )]
+    Crossing(Function),
     /// The inputs cancel what switches.
     #[error("feedback cancels the difference of the modes, which the input fields span; for the remaining system: {0}")]
     Canceled(Box<StlcReason>),

@@ -8,7 +8,12 @@ use proptest::prelude::*;
 fn verdict(states: &[&str], inputs: &[&str], dynamics: &[&str]) -> (Option<bool>, StabilizableReason) {
     let system = system(states, inputs, &[], dynamics, &[], Some(&[]));
     let r = analyze_affine(&system, &AnalysisOptions::default()).unwrap().at_point.unwrap().known().unwrap().clone();
-    (r.stabilizable.unwrap().known().copied(), r.stabilizable_reason.unwrap())
+    let (answer, why) = (r.stabilizable.unwrap().known().copied(), r.stabilizable_reason.unwrap());
+    if answer == Some(true) {
+        // The feedback is continuous, which needs Brockett's condition.
+        assert_eq!(r.brockett_condition.unwrap().known(), Some(&true), "{dynamics:?}: {why}");
+    }
+    (answer, why)
 }
 
 /// The verdict on s_i' = `dynamics` in the coordinates Z = T s, where T is a product of elementary matrices.

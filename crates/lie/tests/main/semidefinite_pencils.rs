@@ -47,7 +47,7 @@ proptest! {
         prop_assert_eq!((stlc, stabilizable), (Verdict::No, Some(false)), "{}: {}", first, why);
     }
 
-    /// Two forms of two variables without common zero line: no combination is semidefinite just if they are indefinite together, which
+    /// Two forms of two variables without common zero line: no combination is semidefinite if and only if all are indefinite, which
     /// the discriminant of the pencil tells. The answers never contradict it.
     #[test]
     fn pencils_of_two_forms(a in -2_i64..3, b in -2_i64..3, c in -2_i64..3, d in -2_i64..3, e in -2_i64..3, f in -2_i64..3) {

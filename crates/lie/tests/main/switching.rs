@@ -345,3 +345,20 @@ fn one_way_functions_at_kinks_need_no_coordinates() {
         assert_ne!(at_point(&p).stlc.verdict, Verdict::No, "{rate}");
     }
 }
+
+/// Inputs without drift that cross a kink: z' = (p x + q |x|) v + r x u, Z = z + r y², is STLC if and only if a mode has the bracket
+/// p ± q ≠ 0 across x.
+#[test]
+fn inputs_without_drift_cross_a_kink() {
+    for (p, q) in [(0, 1), (1, 1), (1, -1), (-2, 1), (3, 2)] {
+        for (r, c) in [(0, 0), (1, -1), (-2, 3)] {
+            let rate = format!("({p}*x + {q}*abs(x))*v + 2*{r}*y*v");
+            let dynamics = [format!("u + {c}*y*v"), "v".to_owned(), rate];
+            let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
+            assert_eq!(verdict("x y Z", "u v", &dynamics), Verdict::Yes, "{dynamics:?}");
+        }
+    }
+    // With a drift, what rises does not come back; and |y| v alone moves Z as a function of y.
+    assert_eq!(verdict("x y z", "u v", &["u", "v", "abs(x)"]), Verdict::No);
+    assert_eq!(verdict("x y z", "u v", &["u", "v", "abs(y)*v"]), Verdict::No);
+}
