@@ -20,6 +20,7 @@ mod invariance;
 mod irrational;
 mod large_coefficients;
 mod linearize;
+mod no_return;
 mod numerical;
 mod observability;
 mod parameter_cases;
