@@ -58,7 +58,9 @@ impl MultivariatePolynomial {
         for i in 0..n {
             for _ in 0..MAX_COMPLETIONS {
                 let square = p.coefficient(&(0..n).map(|j| if i == j { 2 } else { 0 }).collect::<Vec<_>>());
-                if square <= Rational::ZERO || !p.terms().any(|(m, _)| m[i] == 1) {
+                // A linear term would move the origin.
+                let linear = p.coefficient(&(0..n).map(|j| u32::from(i == j)).collect::<Vec<_>>()) != Rational::ZERO;
+                if linear || square <= Rational::ZERO || !p.terms().any(|(m, _)| m[i] == 1) {
                     break;
                 }
                 let twice = Rational::from(2) * square;
@@ -196,6 +198,24 @@ mod tests {
                     prop_assert!(value >= Rational::ZERO, "{terms:?} at {x}, {y}");
                 }
             }
+        }
+
+        /// A sum of squares, less its value at the origin, is negative on one side of the origin if it has linear terms.
+        #[test]
+        fn linear_terms_have_both_signs(entries in prop::collection::vec(-2i64..3, 30)) {
+            let variables: Vec<Vec<u32>> = (0..3).map(|i| (0..3).map(|j| u32::from(i == j)).collect()).collect();
+            let squares: Vec<Vec<u32>> = variables.iter().map(|m| m.iter().map(|k| 2 * k).collect()).collect();
+            let monomials: Vec<Vec<u32>> = [vec![vec![0; 3]], variables.clone(), squares].concat();
+            let mut sum = MultivariatePolynomial::default();
+            for c in entries.chunks_exact(monomials.len()) {
+                let mut p = MultivariatePolynomial::default();
+                c.iter().zip(&monomials).for_each(|(&c, m)| p.add_term(m.clone(), Rational::from(c)));
+                sum = sum.plus(&p.times_up_to(&p, 4), &Rational::ONE);
+            }
+            let at_origin = sum.coefficient(&[0, 0, 0]);
+            sum.add_term(vec![0; 3], -at_origin);
+            let linear = variables.iter().any(|m| sum.coefficient(m) != Rational::ZERO);
+            prop_assert!(!(linear && sum.is_nonnegative_near_origin(None)));
         }
     }
 }

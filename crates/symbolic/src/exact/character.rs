@@ -18,12 +18,12 @@ pub(super) struct Character<const C: u64> {
 const MAX_EXPONENT: i64 = 24;
 
 impl<const C: u64> Character<C> {
-    /// ℓ = 1321 for p = 2^61 − 1, 2311 for the second prime, and 7351 for the third.
+    /// ℓ = 1321 for p = 2^61 − 1, 8681 for the second prime, and 7351 for the third.
     pub(super) fn new() -> Self {
         let order: u64 = match C {
             1 => 1321,
             THIRD_OFFSET => 7351,
-            _ => 2311,
+            _ => 8681,
         };
         let exponent = (Residue::<C>::MODULUS - 1) / order;
         let candidates = (2..1000).map(|g| Residue::<C>::new(g).pow(exponent));
@@ -45,7 +45,7 @@ impl<const C: u64> Character<C> {
         match self.order {
             1321 => combination_modulo::<1321>(columns, target),
             7351 => combination_modulo::<7351>(columns, target),
-            _ => combination_modulo::<2311>(columns, target),
+            _ => combination_modulo::<8681>(columns, target),
         }
     }
 

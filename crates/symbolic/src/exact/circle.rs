@@ -1,22 +1,16 @@
 //! Sines and cosines: points on the unit circle over the field, one generator per base angle.
 
-use super::echelon::combination;
 use super::field::{Residue, THIRD_OFFSET, gcd};
-use super::kernels::Angle;
-use super::lowering::{FRACTION_BOUND, Lowering, Stop};
-use super::program::{Generator, Reg, Step};
-use crate::func::{Func, Func2};
+use super::kernels::{Angle, AngleKind};
+use super::linear_relation::Kernels;
+use super::lowering::{Lowering, Stop};
+use super::program::{Generator, Point, Reg, Step, turned};
 use crate::pool::{Expr, Node};
-
-/// Cosine and sine in the field.
-type Point<const C: u64> = (Residue<C>, Residue<C>);
 
 /// Larger multiples of a base angle are refused.
 pub(super) const MAX_MULTIPLE: u64 = 1 << 32;
 /// Most terms of a sum among which a new indeterminate is sought.
 const MAX_TERMS: usize = 32;
-/// Trial points beyond the number of unknowns of a linear relation.
-pub(super) const SPARE: usize = 6;
 
 impl<const C: u64> Lowering<'_, C> {
     /// Registers of the cosine and sine of `arg`.
@@ -30,14 +24,14 @@ impl<const C: u64> Lowering<'_, C> {
         } else {
             let mut basis = vec![self.pi()];
             basis.extend(self.circle.basis.iter().map(|a| a.value));
-            self.relation(arg, &basis, value)?
+            self.relation(arg, Kernels::Angles, &basis, value)?
         };
         let point = match relation {
             None => {
                 let parts = self.requirements.angles.get(&self.circle.basis.len()).copied().unwrap_or(1);
                 let slot = self.generator(Generator::Circle);
                 let base = (self.push(Step::Slot(slot)), self.push(Step::Slot(slot + 1)));
-                self.circle.basis.push(Angle { value, point: Some(base), parts });
+                self.circle.basis.push(Angle { value, kind: AngleKind::Free(base), parts });
                 self.circle.symbols.extend(self.pool.symbols_of(&[arg]));
                 self.multiple(base, parts as i64)
             }
@@ -75,35 +69,22 @@ impl<const C: u64> Lowering<'_, C> {
         })
     }
 
-    /// The rational coefficients by which register `value` is a combination of `basis`; `None` if it is independent.
-    pub(super) fn relation(&self, e: Expr, basis: &[Reg], value: Reg) -> Result<Option<Vec<(i64, i64)>>, Stop> {
-        let mut all = basis.to_vec();
-        all.push(value);
-        let n = basis.len() + SPARE;
-        let at = self.trials(&all, n);
-        if at.len() < n {
-            return Err(self.kernel(e, "its argument has no value at most points"));
-        }
-        let columns: Vec<_> = basis.iter().map(|&r| self.values(r, &at)).collect();
-        let Ok(found) = combination(&columns, &self.values(value, &at)) else {
-            return Err(self.kernel(e, "arguments of such functions are related in a way that was not resolved"));
-        };
-        let Some(c) = found else { return Ok(None) };
-        match c.iter().map(|c| c.to_fraction(FRACTION_BOUND)).collect() {
-            Some(fractions) => Ok(Some(fractions)),
-            None => Err(self.kernel(e, "its argument is an irrational multiple of others")),
-        }
-    }
-
     /// cos and sin of a rational combination of π and the base angles.
     fn combined(&mut self, arg: Expr, coefficients: &[(i64, i64)]) -> Result<(Reg, Reg), Stop> {
         let mut restart = false;
-        for (j, &(_, d)) in coefficients[1..].iter().enumerate() {
-            let parts = self.circle.basis[j].parts;
-            if !parts.is_multiple_of(d.unsigned_abs()) {
-                let finer = parts / gcd(parts, d.unsigned_abs()) * d.unsigned_abs();
-                if finer > MAX_MULTIPLE {
+        for (j, &(n, d)) in coefficients[1..].iter().enumerate().filter(|(_, c)| c.0 != 0) {
+            let Angle { kind, parts, .. } = self.circle.basis[j];
+            if matches!(kind, AngleKind::Inverse) {
+                return Err(self.kernel(arg, "it is a function of its inverse"));
+            }
+            let d = d.unsigned_abs();
+            if !parts.is_multiple_of(d) {
+                let finer = parts / gcd(parts, d) * d;
+                if finer > MAX_MULTIPLE || n.unsigned_abs() > MAX_MULTIPLE {
                     return Err(self.kernel(arg, "its argument is too fine a multiple of others"));
+                }
+                if matches!(kind, AngleKind::OfPoint(_)) && finer.is_multiple_of(2) {
+                    return Err(self.kernel(arg, "it is a function of half of an inverse"));
                 }
                 self.requirements.angles.insert(j, finer);
                 restart = true;
@@ -115,14 +96,9 @@ impl<const C: u64> Lowering<'_, C> {
         let (c, s) = self.part_of_pi(arg, coefficients[0])?;
         let mut point = (self.constant(c), self.constant(s));
         let mut trivial = s.is_zero() && c == Residue::ONE;
-        for (j, &(n, d)) in coefficients[1..].iter().enumerate() {
-            if n == 0 {
-                continue;
-            }
+        for (j, &(n, d)) in coefficients[1..].iter().enumerate().filter(|(_, c)| c.0 != 0) {
             let a = &self.circle.basis[j];
-            let Some(base) = a.point else {
-                return Err(self.kernel(arg, "it is a function of its inverse"));
-            };
+            let (AngleKind::Free(base) | AngleKind::OfPoint(base)) = a.kind else { continue };
             let multiple = n.unsigned_abs().saturating_mul(a.parts / d.unsigned_abs());
             if multiple > MAX_MULTIPLE {
                 return Err(self.kernel(arg, "its argument is too large a multiple of others"));
@@ -173,75 +149,8 @@ impl<const C: u64> Lowering<'_, C> {
             return Err(unknown(self));
         };
         let multiple = (i128::from(n) * i128::from(parts / d.unsigned_abs())).rem_euclid(2 * i128::from(parts));
-        Ok(power(unit, multiple as u64))
+        Ok(turned(unit, multiple as u64))
     }
-
-    /// True if the operand, or the ratio of two operands, has the same value at all trial points.
-    fn is_constant_angle(&self, operands: &[Expr]) -> bool {
-        let registers: Vec<Reg> = operands.iter().map(|o| self.registers[o]).collect();
-        let mut ratios = self.trials(&registers, SPARE).into_iter().map(|i| {
-            let v = registers.iter().map(|&r| self.trial(r, i).unwrap_or_default());
-            v.reduce(|y, x| y * x.inv().unwrap_or_default())
-        });
-        let first = ratios.next();
-        ratios.all(|r| Some(r) == first)
-    }
-
-    /// asin, acos, atan, atan2: a single such angle that has nothing to do with sines and cosines is a generator.
-    pub(super) fn inverse_angle(&mut self, e: Expr) -> Result<Reg, Stop> {
-        let (kind, operands) = match self.pool.node(e) {
-            Node::Call(Func::Acos, a) => (Func::Asin, vec![a]),
-            Node::Call(f, a) => (f, vec![a]),
-            Node::Call2(Func2::Atan2, a, b) => (Func::Atan, vec![a, b]),
-            _ => return Err(self.kernel(e, "which operand it takes depends on the point")),
-        };
-        let value = if let Some((f, o, r)) = &self.circle.inverse {
-            if *f != kind || *o != operands {
-                return Err(self.kernel(e, "it may be related to another inverse trigonometric function"));
-            }
-            *r
-        } else {
-            let circular = |&x: &Expr| matches!(self.pool.node(x), Node::Call(Func::Sin | Func::Cos | Func::Tan, _));
-            if self.pool.reachable(&operands).iter().any(circular) {
-                return Err(self.kernel(e, "it is an inverse function of trigonometric functions"));
-            }
-            if self.is_constant_angle(&operands) {
-                return Err(self.kernel(e, "it is a constant angle of unknown relation to pi"));
-            }
-            let slot = self.generator(Generator::Free);
-            let value = self.push(Step::Slot(slot));
-            self.circle.basis.push(Angle { value, point: None, parts: 1 });
-            self.circle.symbols.extend(self.pool.symbols_of(&operands));
-            self.circle.inverse = Some((kind, operands, value));
-            value
-        };
-        if matches!(self.pool.node(e), Node::Call(Func::Acos, _)) {
-            // acos = π/2 − asin
-            let pi = self.pi();
-            let quarter = self.scaled(Residue::new(2).inv().unwrap_or_default(), pi);
-            let minus = self.scaled(-Residue::ONE, value);
-            return Ok(self.push(Step::Add(quarter, minus)));
-        }
-        Ok(value)
-    }
-}
-
-/// (cos, sin) of the sum of two angles.
-fn rotated<const C: u64>(p: Point<C>, q: Point<C>) -> Point<C> {
-    (p.0 * q.0 - p.1 * q.1, p.1 * q.0 + p.0 * q.1)
-}
-
-/// (cos, sin) of k times an angle.
-fn power<const C: u64>(mut p: Point<C>, mut k: u64) -> Point<C> {
-    let mut r = (Residue::ONE, Residue::ZERO);
-    while k > 0 {
-        if k & 1 == 1 {
-            r = rotated(r, p);
-        }
-        p = rotated(p, p);
-        k >>= 1;
-    }
-    r
 }
 
 /// The D for which the field holds cos(π/D) and sin(π/D); 2D divides p + 1, the order of the circle.
@@ -263,12 +172,12 @@ fn unit_angle<const C: u64>() -> Option<Point<C>> {
     let first = (2..100).find_map(|t| {
         let t = Residue::<C>::new(t);
         let d = (one + t * t).inv()?;
-        let p = power(((one - t * t) * d, (t + t) * d), Residue::<C>::MODULUS.div_ceil(order));
-        primes.iter().all(|q| power(p, order / q) != (one, Residue::ZERO)).then_some(p)
+        let p = turned(((one - t * t) * d, (t + t) * d), Residue::<C>::MODULUS.div_ceil(order));
+        primes.iter().all(|q| turned(p, order / q) != (one, Residue::ZERO)).then_some(p)
     })?;
     let root = |n: u64| Residue::<C>::new(n).sqrt();
-    (1..order).filter(|k| gcd(*k, order) == 1).map(|k| power(first, k)).find(|&p| {
-        let part = |d: u64| power(p, parts / d);
+    (1..order).filter(|k| gcd(*k, order) == 1).map(|k| turned(first, k)).find(|&p| {
+        let part = |d: u64| turned(p, parts / d);
         part(2) == (Residue::ZERO, one)
             && Some(part(4).0 + part(4).0) == root(2)
             && primes.iter().all(|q| match q {
@@ -290,9 +199,9 @@ mod tests {
         let parts = parts_of_pi::<C>();
         assert_eq!((u128::from(Residue::<C>::MODULUS) + 1) % u128::from(2 * parts), 0);
         let unit = unit_angle::<C>().unwrap();
-        assert_eq!(power(unit, parts), (-Residue::ONE, Residue::ZERO));
+        assert_eq!(turned(unit, parts), (-Residue::ONE, Residue::ZERO));
         assert_eq!(unit.0 * unit.0 + unit.1 * unit.1, Residue::ONE);
-        assert_eq!(power(unit, parts / 4).1, power(unit, parts / 4).0);
+        assert_eq!(turned(unit, parts / 4).1, turned(unit, parts / 4).0);
     }
 
     #[test]

@@ -2,8 +2,9 @@
 //!
 //! Each rule holds at all real points at which the left-hand side has a value.
 
+use dashu_int::UBig;
 use dashu_ratio::RBig;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::func::{Func, Func2};
 use crate::pool::{Expr, Node, Pool};
@@ -11,17 +12,39 @@ use crate::pool::{Expr, Node, Pool};
 /// Angles are taken up to this multiple.
 const MAX_MULTIPLE: i64 = 16;
 /// And down to this power of one half.
-const MAX_HALVINGS: usize = 3;
+const MAX_HALVINGS: usize = 6;
+
+/// Inverse functions of which parts are needed that are no powers of one half, such as 13/10 θ.
+#[derive(Default)]
+struct Parts {
+    /// How often θ must be halved.
+    halvings: FxHashMap<Expr, usize>,
+    /// The halved angles, as angles of points of the unit circle.
+    points: FxHashMap<Expr, (Expr, Expr)>,
+}
 
 impl Pool {
     /// `roots` with sines of inverse functions, roots of squares, nested roots of constants and known angles replaced.
     pub(super) fn composed(&mut self, roots: &[Expr]) -> Vec<Expr> {
+        let mut parts = Parts::default();
+        let mut composed = self.composed_with(roots, &mut parts);
+        if !parts.halvings.is_empty() {
+            // Every θ of which parts are needed becomes a multiple of its finest half.
+            composed = self.composed_with(roots, &mut parts);
+        }
+        self.with_arctangents(&composed)
+    }
+
+    fn composed_with(&mut self, roots: &[Expr], parts: &mut Parts) -> Vec<Expr> {
         let mut image: FxHashMap<Expr, Expr> = FxHashMap::default();
         for n in self.reachable(roots) {
             let made = self.rebuild(n, |x| image[&x]);
             let r = match self.node(made) {
-                Node::Call(f @ (Func::Sin | Func::Cos | Func::Tan), a) => self.function_of_inverse(f, a),
-                Node::Call(f @ (Func::Asin | Func::Acos | Func::Atan), a) => self.known_angle(f, a),
+                Node::Call(f @ (Func::Sin | Func::Cos | Func::Tan), a) => self.function_of_inverse(f, a, parts),
+                Node::Call(f @ (Func::Asin | Func::Acos | Func::Atan), a) => {
+                    self.known_angle(f, a).or_else(|| self.halved(made, parts))
+                }
+                Node::Call2(Func2::Atan2, ..) => self.halved(made, parts),
                 Node::Pow(b, k) => self.root_of_powers(b, k),
                 _ => None,
             };
@@ -30,16 +53,77 @@ impl Pool {
         roots.iter().map(|r| image[r]).collect()
     }
 
+    /// The terms of a sum with rational coefficients; arguments of functions stay as they are.
+    fn linear_terms(&mut self, e: Expr) -> Vec<(RBig, Expr)> {
+        let (mut open, mut terms) = (vec![(RBig::ONE, e)], Vec::new());
+        while let Some((c, e)) = open.pop() {
+            let (factor, x) = self.coefficient(e);
+            let c = c * factor;
+            match self.node(x) {
+                Node::Add(a, b) => open.extend([(c.clone(), b), (c, a)]),
+                _ => terms.push((c, x)),
+            }
+        }
+        terms
+    }
+
+    /// θ as a multiple of the angle of a point.
+    fn halved(&mut self, theta: Expr, parts: &mut Parts) -> Option<Expr> {
+        let halvings = *parts.halvings.get(&theta)?;
+        let mut point = self.point_of_inverse(theta)?;
+        for _ in 0..halvings {
+            point = self.half_of_angle(point);
+        }
+        let angle = self.call2(Func2::Atan2, point.1, point.0);
+        parts.points.insert(angle, point);
+        let k = self.int(1 << halvings);
+        Some(self.mul(k, angle))
+    }
+
+    /// `roots` with asin and acos replaced by arctangents, of which several are told apart, if there are other angles.
+    fn with_arctangents(&mut self, roots: &[Expr]) -> Vec<Expr> {
+        let nodes = self.reachable(roots);
+        let (mut angles, mut replaced) = (FxHashSet::default(), false);
+        for &n in &nodes {
+            match self.node(n) {
+                Node::Call(Func::Asin | Func::Acos, a) => {
+                    angles.insert(a);
+                    replaced = true;
+                }
+                Node::Call(Func::Sin | Func::Cos | Func::Tan, a) => drop(angles.insert(a)),
+                Node::Call(Func::Atan, _) | Node::Call2(Func2::Atan2, ..) => drop(angles.insert(n)),
+                _ => {}
+            }
+        }
+        if !replaced || angles.len() < 2 {
+            return roots.to_vec();
+        }
+        let mut image: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for n in nodes {
+            let made = self.rebuild(n, |x| image[&x]);
+            let r = match self.node(made) {
+                Node::Call(f @ (Func::Asin | Func::Acos), a) => self.as_arctangent(f, a),
+                _ => made,
+            };
+            image.insert(n, r);
+        }
+        roots.iter().map(|r| image[r]).collect()
+    }
+
     /// sin, cos or tan of a sum in which inverse functions have rational coefficients.
-    fn function_of_inverse(&mut self, f: Func, a: Expr) -> Option<Expr> {
+    fn function_of_inverse(&mut self, f: Func, a: Expr, parts: &mut Parts) -> Option<Expr> {
         let (mut rest, mut angles) = (Vec::new(), Vec::new());
-        for t in self.expanded_terms(a) {
-            let (c, x) = self.coefficient(t);
+        for (c, x) in self.linear_terms(a) {
             let inverse = matches!(
                 self.node(x),
                 Node::Call(Func::Asin | Func::Acos | Func::Atan, _) | Node::Call2(Func2::Atan2, ..)
             );
-            if inverse { angles.push((c, x)) } else { rest.push(t) }
+            if inverse {
+                angles.push((c, x));
+            } else {
+                let c = self.rational(c);
+                rest.push(self.mul(c, x));
+            }
         }
         if angles.is_empty() {
             return None;
@@ -47,8 +131,7 @@ impl Pool {
         let rest = self.sum(rest);
         let mut point = (self.cos(rest), self.sin(rest));
         for (c, x) in angles {
-            let p = self.point_of_inverse(x)?;
-            let p = self.part_of_angle(p, &c)?;
+            let p = self.part_of_angle(x, &c, parts)?;
             point = self.rotated_point(point, p);
         }
         Some(match f {
@@ -85,23 +168,30 @@ impl Pool {
         })
     }
 
-    /// (cos cθ, sin cθ) for a rational c whose denominator is a power of 2, where −π ≤ θ ≤ π.
-    fn part_of_angle(&mut self, mut p: (Expr, Expr), c: &RBig) -> Option<(Expr, Expr)> {
+    /// (cos cθ, sin cθ) for a rational c, where −π ≤ θ ≤ π; parts of the circle of odd order are left to the field.
+    fn part_of_angle(&mut self, theta: Expr, c: &RBig, parts: &mut Parts) -> Option<(Expr, Expr)> {
         let halvings = c.denominator().trailing_zeros().unwrap_or(0);
-        let odd = RBig::from(c.denominator().clone() >> halvings) != RBig::ONE;
-        let n = i64::try_from(c.numerator()).ok().filter(|n| n.abs() <= MAX_MULTIPLE)?;
-        if odd || halvings > MAX_HALVINGS {
+        if halvings > MAX_HALVINGS {
             return None;
         }
-        for _ in 0..halvings {
-            // |θ/2| ≤ π/2: the cosine is √((1 + cos θ)/2), and sin θ = 2 sin(θ/2) cos(θ/2).
-            let (one, half) = (self.int(1), self.ratio(1, 2));
-            let s = self.add(one, p.0);
-            let h = self.mul(half, s);
-            let c = self.sqrt(h);
-            let q = self.div(p.1, c);
-            p = (c, self.mul(half, q));
+        if c.denominator().clone() >> halvings != UBig::ONE {
+            if !parts.points.contains_key(&theta) {
+                let known = parts.halvings.entry(theta).or_default();
+                *known = halvings.max(*known);
+                return None;
+            }
+            let c = self.rational(c.clone());
+            let angle = self.mul(c, theta);
+            return (halvings == 0).then(|| (self.cos(angle), self.sin(angle)));
         }
+        let mut p = match parts.points.get(&theta) {
+            Some(&point) => point,
+            None => self.point_of_inverse(theta)?,
+        };
+        for _ in 0..halvings {
+            p = self.half_of_angle(p);
+        }
+        let n = i64::try_from(c.numerator()).ok().filter(|n| n.abs() <= MAX_MULTIPLE)?;
         let step = if n < 0 { (p.0, self.neg(p.1)) } else { p };
         let mut point = (self.int(1), self.int(0));
         for _ in 0..n.abs() {
@@ -110,10 +200,35 @@ impl Pool {
         Some(point)
     }
 
+    /// (cos θ/2, sin θ/2): |θ/2| ≤ π/2, so the cosine is √((1 + cos θ)/2), and sin θ = 2 sin(θ/2) cos(θ/2).
+    fn half_of_angle(&mut self, p: (Expr, Expr)) -> (Expr, Expr) {
+        let (one, half) = (self.int(1), self.ratio(1, 2));
+        let s = self.add(one, p.0);
+        let h = self.mul(half, s);
+        let c = self.sqrt(h);
+        let q = self.div(p.1, c);
+        (c, self.mul(half, q))
+    }
+
     fn rotated_point(&mut self, p: (Expr, Expr), q: (Expr, Expr)) -> (Expr, Expr) {
         let (cc, ss) = (self.mul(p.0, q.0), self.mul(p.1, q.1));
         let (sc, cs) = (self.mul(p.1, q.0), self.mul(p.0, q.1));
         (self.sub(cc, ss), self.add(sc, cs))
+    }
+
+    /// asin f = atan(f/√(1 − f²)) and acos f = π/2 − asin f.
+    fn as_arctangent(&mut self, f: Func, a: Expr) -> Expr {
+        let (one, square) = (self.int(1), self.powi(a, 2));
+        let rest = self.sub(one, square);
+        let root = self.sqrt(rest);
+        let tangent = self.div(a, root);
+        let angle = self.call(Func::Atan, tangent);
+        if f == Func::Asin {
+            return angle;
+        }
+        let (half, pi) = (self.ratio(1, 2), self.pi());
+        let quarter = self.mul(half, pi);
+        self.sub(quarter, angle)
     }
 
     /// asin, acos, atan where the value is a multiple of π/12.

@@ -66,7 +66,7 @@ fn power(x: &RBig, k: &RBig) -> Option<RBig> {
 }
 
 /// The root of a rational that is not negative, of the degree in the denominator of `k`, if it is rational.
-fn exact_root(x: &RBig, k: &RBig) -> Option<RBig> {
+pub(super) fn exact_root(x: &RBig, k: &RBig) -> Option<RBig> {
     let degree = usize::try_from(k.denominator()).ok().filter(|d| *d <= MAX_BITS)?;
     let root = |n: UBig| {
         let r = n.nth_root(degree);

@@ -11,6 +11,7 @@ use super::circle::MAX_MULTIPLE;
 use super::constants::factors;
 use super::field::{Residue, gcd};
 use super::kernels::Power;
+use super::linear_relation::Kernels;
 use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use super::relation::Relation;
@@ -26,7 +27,7 @@ impl<const C: u64> Lowering<'_, C> {
             return Ok(r);
         }
         let basis: Vec<Reg> = self.explog.basis.iter().map(|b| b.0).collect();
-        let r = match self.relation(e, &basis, a)? {
+        let r = match self.relation(e, Kernels::Exponents, &basis, a)? {
             None => {
                 let parts = self.requirements.exponents.get(&basis.len()).copied().unwrap_or(1);
                 let slot = self.generator(Generator::Free);
@@ -114,7 +115,11 @@ impl<const C: u64> Lowering<'_, C> {
         all.push(value);
         let at = self.nonzero_trials(&all, all.len() + SPARE);
         if at.len() < all.len() + SPARE / 2 {
-            return Err(self.kernel(h, "it has no value at most points, under a logarithm"));
+            return Err(self.few_trials(
+                h,
+                2 * (all.len() + SPARE),
+                "it has no value at most points, under a logarithm",
+            ));
         }
         match self.multiplicative_relation(&bases, value, &at) {
             Relation::None => {

@@ -9,21 +9,20 @@ use dashu_ratio::RBig;
 
 /// An integer modulo the prime 2^61 − `C`; see [`Fp`] for the one in general use.
 ///
-/// `C` must be below 2^30 and 2^61 − `C` a prime that is 3 modulo 4, so that
-/// −1 is no square and a root of a square is a single power.
+/// 2^61 − `C` must be a prime above 2^60 that is 3 modulo 4, so that −1 is no square and a root of a square is a single power.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct Residue<const C: u64>(u64);
 
 /// An integer modulo the Mersenne prime 2^61 − 1.
 pub type Fp = Residue<1>;
 
-/// [`Residue<SECOND_OFFSET>`] are the integers modulo 2^61 − 488019153, for expressions with roots: 2 … 53 and 109 (of
-/// 9.81) are squares modulo it, cube, fifth, seventh, 11th and 13th roots are unique, and it holds the sines and cosines
-/// of π/1800.
-pub const SECOND_OFFSET: u64 = 488_019_153;
+/// [`Residue<SECOND_OFFSET>`] are the integers modulo 2^61 − 70094276963553, for expressions with roots: all primes up to
+/// 167 and 28019 (of 9.80665) are squares modulo it, cube, fifth, seventh, 11th and 13th roots are unique, and it holds the
+/// sines and cosines of π/1800.
+pub const SECOND_OFFSET: u64 = 70_094_276_963_553;
 
-/// [`Residue<THIRD_OFFSET>`] are the integers modulo 2^61 − 615950913, for what one of the other two fields lacks: it
-/// has the same small roots as the second, that of 28019 (of 9.80665), and the sines and cosines of π/4320.
+/// [`Residue<THIRD_OFFSET>`] are the integers modulo 2^61 − 615950913, for what one of the other two fields lacks: the
+/// primes up to 53, 109 and 28019 are squares modulo it, and it holds the sines and cosines of π/4320.
 pub const THIRD_OFFSET: u64 = 615_950_913;
 
 /// Constants with fewer bits above and below the line are never mistaken for another fraction.
@@ -60,16 +59,23 @@ impl<const C: u64> Residue<C> {
         self.0 == 0
     }
 
+    /// ⌊2^122 / p⌋
+    const INVERSE: u64 = ((1 << 122) / Self::MODULUS as u128) as u64;
+
+    /// The class of a product of two representatives.
     fn reduce(x: u128) -> Self {
-        // 2^61 ≡ C, so the high part is folded in C times; a second fold brings the rest below 2p.
-        let (lo, hi) = (x as u64 & MASK, (x >> 61) as u64);
-        let r = if C == 1 {
-            lo + hi
-        } else {
-            let y = u128::from(hi) * u128::from(C) + u128::from(lo);
-            (y as u64 & MASK) + ((y >> 61) as u64) * C
-        };
-        Self(if r >= Self::MODULUS { r - Self::MODULUS } else { r })
+        if C == 1 {
+            // 2^61 ≡ 1
+            let r = (x as u64 & MASK) + (x >> 61) as u64;
+            return Self(if r >= Self::MODULUS { r - Self::MODULUS } else { r });
+        }
+        // The quotient from the leading digits is at most 2 too small (Barrett 1986).
+        let quotient = (((x >> 60) * u128::from(Self::INVERSE)) >> 62) as u64;
+        let mut r = (x as u64).wrapping_sub(quotient.wrapping_mul(Self::MODULUS));
+        while r >= Self::MODULUS {
+            r -= Self::MODULUS;
+        }
+        Self(r)
     }
 
     /// `self` to the power `k`.
@@ -288,12 +294,13 @@ mod tests {
 
     #[test]
     fn the_other_primes_have_the_roots_they_were_chosen_for() {
-        has_small_roots::<SECOND_OFFSET>();
-        has_small_roots::<THIRD_OFFSET>();
+        has_small_roots::<SECOND_OFFSET>(167);
+        has_small_roots::<THIRD_OFFSET>(53);
     }
 
-    fn has_small_roots<const C: u64>() {
-        for n in [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53] {
+    fn has_small_roots<const C: u64>(last: u64) {
+        let is_prime = |n: u64| (2..n).all(|d| !n.is_multiple_of(d));
+        for n in (2..=last).filter(|&n| is_prime(n)) {
             assert!(Residue::<C>::new(n).is_residue(), "{n}");
         }
         for q in [3, 5, 7, 11, 13] {
@@ -308,6 +315,7 @@ mod tests {
             assert!(Residue::<SECOND_OFFSET>::from_rational(&g).unwrap().is_residue(), "{g}");
         }
         let standard = RBig::from(980_665) / RBig::from(100_000);
+        assert!(Residue::<SECOND_OFFSET>::from_rational(&standard).unwrap().is_residue());
         assert!(Residue::<THIRD_OFFSET>::from_rational(&standard).unwrap().is_residue());
     }
 

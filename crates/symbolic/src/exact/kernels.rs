@@ -6,11 +6,23 @@ use super::program::Reg;
 use crate::func::Func;
 use crate::pool::{Expr, Symbol};
 
-/// A register of an angle, and those of the cosine and sine of the D-th part of it (none for an inverse function).
+/// A register of an angle, and what is known of its D-th part.
+#[derive(Clone, Copy)]
 pub(super) struct Angle {
     pub(super) value: Reg,
-    pub(super) point: Option<(Reg, Reg)>,
+    pub(super) kind: AngleKind,
     pub(super) parts: u64,
+}
+
+/// Cosine and sine of the part of an angle.
+#[derive(Clone, Copy)]
+pub(super) enum AngleKind {
+    /// They are generators.
+    Free((Reg, Reg)),
+    /// The angle is that of a point of the unit circle.
+    OfPoint((Reg, Reg)),
+    /// The angle is an inverse function whose cosine is no expression of the field.
+    Inverse,
 }
 
 /// Angles met so far that are no rational combinations of each other and π.
@@ -20,7 +32,11 @@ pub(super) struct Circle {
     /// The indeterminates on which the basis depends.
     pub(super) symbols: FxHashSet<Symbol>,
     pub(super) points: FxHashMap<Expr, (Reg, Reg)>,
-    pub(super) inverse: Option<(Func, Vec<Expr>, Reg)>,
+    /// Inverse functions (atan also for atan2), their operands, and their values.
+    pub(super) inverses: Vec<(Func, Vec<Expr>, Reg)>,
+    /// Constant angles: by primes of the Gaussian integers, and the quadratic fields of others.
+    pub(super) primes: FxHashMap<u64, Reg>,
+    pub(super) fields: FxHashSet<Vec<u64>>,
 }
 
 /// Where the exponential of an exponent comes from.

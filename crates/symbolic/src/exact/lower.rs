@@ -10,7 +10,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::constants::exact_value;
 use super::field::Residue;
 use super::lowering::{FRACTION_BOUND, Lowering, Requirements, Stop};
-use super::program::{Generator, Program, Reg, Step};
+use super::program::{Generator, MAX_POWER, Program, Reg, Step};
 use super::{Bindings, Undecided};
 use crate::func::Func;
 use crate::pool::{Expr, Node, Pool};
@@ -66,7 +66,7 @@ pub(super) fn lower<const C: u64>(
         }
     }
     for _ in 0..MAX_RESTARTS {
-        let trials = if kernels.is_empty() { 0 } else { trials };
+        let trials = if kernels.is_empty() { 0 } else { trials.max(requirements.trials) };
         let mut l = Lowering::new(pool, std::mem::take(&mut exact), trials, &mut requirements);
         match l.nodes(&nodes, &below) {
             Ok(()) => {
@@ -167,8 +167,8 @@ impl<const C: u64> Lowering<'_, C> {
                 l.exponential(e, exponent)
             });
         };
-        let n = i64::try_from(q.numerator()).ok().filter(|n| n.unsigned_abs() < 1 << 40);
-        let d = u64::try_from(q.denominator()).ok().filter(|&d| d < 1 << 40);
+        let n = i64::try_from(q.numerator()).ok().filter(|n| n.unsigned_abs() < MAX_POWER);
+        let d = u64::try_from(q.denominator()).ok().filter(|&d| d < MAX_POWER);
         let (Some(n), Some(d)) = (n, d) else {
             return Err(self.kernel(e, "its exponent is too large"));
         };
@@ -242,7 +242,7 @@ impl<const C: u64> Lowering<'_, C> {
 }
 
 /// 1/a modulo m, if they are coprime.
-fn inverse_modulo(a: u64, m: u64) -> Option<u64> {
+pub(super) fn inverse_modulo(a: u64, m: u64) -> Option<u64> {
     let (mut r0, mut r1) = (i128::from(m), i128::from(a % m));
     let (mut s0, mut s1) = (0_i128, 1_i128);
     while r1 != 0 {

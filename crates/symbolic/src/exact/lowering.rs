@@ -9,11 +9,16 @@ use super::Undecided;
 use super::character::Character;
 use super::field::{Random, Residue};
 use super::kernels::{Circle, ExpLog, Roots};
+use super::linear_relation::LinearRelations;
 use super::program::{Generator, Program, Reg, Step, draw};
 use crate::pool::{Expr, Pool};
 
 /// Fractions in linear relations have numerators and denominators up to this.
 pub(super) const FRACTION_BOUND: u64 = 1 << 20;
+/// Trial points are not increased for more roots.
+const MAX_CONDITIONS: u32 = 8;
+/// Characters of an expression that a reason names.
+const MAX_TEXT: usize = 120;
 const TRIAL_SEED: u64 = 0x7269_616c;
 
 /// Why lowering stopped.
@@ -44,6 +49,8 @@ pub(super) struct Requirements {
     pub(super) exponents: FxHashMap<usize, u64>,
     /// Radicands of which 2^K-th roots are needed, by register of the radicand.
     pub(super) levels: FxHashMap<Expr, u32>,
+    /// Trial points, if more than usual.
+    pub(super) trials: usize,
 }
 
 /// Program under construction.
@@ -63,6 +70,7 @@ pub(super) struct Lowering<'a, const C: u64> {
     pub(super) circle: Circle,
     pub(super) explog: ExpLog,
     pub(super) roots: Roots,
+    pub(super) relations: LinearRelations<C>,
     pub(super) character: OnceCell<Character<C>>,
     /// Large factors of integer constants met so far.
     pub(super) found: Vec<u64>,
@@ -91,6 +99,7 @@ impl<'a, const C: u64> Lowering<'a, C> {
             circle: Circle::default(),
             explog: ExpLog::default(),
             roots: Roots::default(),
+            relations: LinearRelations::default(),
             character: OnceCell::new(),
             found: Vec::new(),
         }
@@ -106,7 +115,7 @@ impl<const C: u64> Lowering<'_, C> {
                     let operand = |r: Reg| self.columns[r].as_ref().and_then(|c| c[i]);
                     match step {
                         Step::Const(_) | Step::Slot(_) => {}
-                        Step::Add(a, b) | Step::Mul(a, b) => {
+                        Step::Add(a, b) | Step::Mul(a, b) | Step::Turn { x: a, y: b, .. } => {
                             operand(a)?;
                             operand(b)?;
                         }
@@ -121,7 +130,7 @@ impl<const C: u64> Lowering<'_, C> {
         self.columns.push(column);
         self.open.push(match step {
             Step::Const(_) | Step::Slot(_) => false,
-            Step::Add(a, b) | Step::Mul(a, b) => self.open[a] || self.open[b],
+            Step::Add(a, b) | Step::Mul(a, b) | Step::Turn { x: a, y: b, .. } => self.open[a] || self.open[b],
             Step::Inverse(a) | Step::Power(a, _) | Step::Root(a, _) => self.open[a],
         });
         self.program.push(step)
@@ -176,6 +185,16 @@ impl<const C: u64> Lowering<'_, C> {
         (0..self.points.len()).filter(|&i| has(i)).take(n).collect()
     }
 
+    /// What to do where too few of the trial points give values to the argument of `e`: each root exists at half of them.
+    pub(super) fn few_trials(&mut self, e: Expr, needed: usize, reason: &'static str) -> Stop {
+        let wanted = needed << self.roots.conditions.min(MAX_CONDITIONS);
+        if wanted > self.points.len() {
+            self.requirements.trials = wanted;
+            return Stop::Restart;
+        }
+        self.kernel(e, reason)
+    }
+
     /// Marks a register as the root of a square.
     pub(super) fn open_sign(&mut self, r: Reg) {
         self.open[r] = true;
@@ -197,10 +216,19 @@ impl<const C: u64> Lowering<'_, C> {
     }
 
     pub(super) fn kernel(&self, e: Expr, reason: &'static str) -> Stop {
-        Stop::Undecided(Undecided::Kernel { text: self.pool.text(e), reason })
+        Stop::Undecided(Undecided::Kernel { text: self.short_text(e), reason })
     }
 
     pub(super) fn other_prime(&self, e: Expr, reason: &'static str) -> Stop {
-        Stop::OtherPrime(Undecided::OtherPrime { text: self.pool.text(e), reason })
+        Stop::OtherPrime(Undecided::OtherPrime { text: self.short_text(e), reason })
+    }
+
+    /// The beginning of a text that is too long to be read.
+    fn short_text(&self, e: Expr) -> String {
+        let text = self.pool.text(e);
+        match text.char_indices().nth(MAX_TEXT) {
+            None => text,
+            Some((end, _)) => format!("{}…", &text[..end]),
+        }
     }
 }

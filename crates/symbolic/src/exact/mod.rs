@@ -3,15 +3,20 @@
 mod cases;
 mod character;
 mod circle;
+mod combinations;
 mod compose;
 mod constant_sign;
 mod constants;
+mod derivative;
 mod echelon;
 mod evaluation;
 mod explog;
 mod field;
 mod field_element;
+mod gaussian;
+mod inverse_angle;
 mod kernels;
+mod linear_relation;
 mod lower;
 mod lowering;
 mod primes;
@@ -231,7 +236,7 @@ impl Pool {
     /// Decides whether `e` is zero as a function of the symbols that `bindings` leave free.
     ///
     /// Works modulo the prime 2^61 − 1 at random points. What is not zero modulo one prime is not zero. What seems to
-    /// be is looked at modulo 2^61 − 488019153 too, since coefficients may be multiples of a prime, and modulo
+    /// be is looked at modulo 2^61 − 70094276963553 too, since coefficients may be multiples of a prime, and modulo
     /// 2^61 − 615950913 where one of these fields lacks a number or mistakes one for another. Sines, exponentials,
     /// logarithms and roots become algebraically independent generators after their
     /// rational-linear relations are found; independence of constants such as
@@ -346,7 +351,12 @@ impl Pool {
             return Err(why);
         }
         let (first, roots) = composed.split_at(first.len());
-        self.sampled_after::<C>(first, roots, &Bindings::new(), (Some(points), seed), start).map_err(|_| why)
+        self.sampled_after::<C>(first, roots, &Bindings::new(), (Some(points), seed), start).map_err(
+            |stop| match stop {
+                Stop::OtherPrime(other) => other,
+                Stop::Restart | Stop::Undecided(_) => why,
+            },
+        )
     }
 
     fn sampled<const C: u64>(

@@ -2,6 +2,9 @@
 
 use super::field::{Random, Residue};
 
+/// Cosine and sine in the field.
+pub(super) type Point<const C: u64> = (Residue<C>, Residue<C>);
+
 /// A register of a [`Program`]: the result of the step of that number.
 pub(super) type Reg = usize;
 
@@ -17,7 +20,17 @@ pub(super) enum Step<const C: u64> {
     Power(Reg, u64),
     /// The 2^levels-th root that is a square itself.
     Root(Reg, u32),
+    /// Cosine or sine of `turn` times the angle of the point (x, y) of the unit circle.
+    Turn {
+        x: Reg,
+        y: Reg,
+        turn: u64,
+        sine: bool,
+    },
 }
+
+/// Larger powers and turns stand for roots: by 1/d modulo the order of the group.
+pub(super) const MAX_POWER: u64 = 1 << 40;
 
 /// What makes up a sample point.
 #[derive(Clone, Copy, Debug)]
@@ -150,11 +163,18 @@ impl<const C: u64> Program<C> {
             Step::Power(a, k) => {
                 let d = &self.degrees[a];
                 // An odd root is the power by an inverse modulo p − 1; its degree is below that of the base.
-                let k = if k >= 1 << 40 { 1.0 } else { k as f64 };
+                let k = if k >= MAX_POWER { 1.0 } else { k as f64 };
                 let divisors = d.divisors.iter().map(|&(j, e)| (j, e * k)).collect();
                 Degree { numerator: d.numerator * k, divisors }
             }
             Step::Root(a, _) => self.degrees[a].clone(),
+            // Used for roots only.
+            Step::Turn { x, y, .. } => {
+                let (a, b) = (&self.degrees[x], &self.degrees[y]);
+                let divisors = merge(&a.divisors, &b.divisors, f64::max);
+                let numerator = self.lifted(a, &divisors).max(self.lifted(b, &divisors));
+                Degree { numerator, divisors }
+            }
         }
     }
 
@@ -178,6 +198,10 @@ impl<const C: u64> Program<C> {
                 }
                 r
             }
+            Step::Turn { x, y, turn, sine } => {
+                let p = turned((get(x), get(y)), turn);
+                if sine { p.1 } else { p.0 }
+            }
         })
     }
 
@@ -190,6 +214,24 @@ impl<const C: u64> Program<C> {
         }
         Ok(())
     }
+}
+
+/// (cos, sin) of the sum of two angles.
+pub(super) fn rotated<const C: u64>(p: Point<C>, q: Point<C>) -> Point<C> {
+    (p.0 * q.0 - p.1 * q.1, p.1 * q.0 + p.0 * q.1)
+}
+
+/// (cos, sin) of k times an angle.
+pub(super) fn turned<const C: u64>(mut p: Point<C>, mut k: u64) -> Point<C> {
+    let mut r = (Residue::ONE, Residue::ZERO);
+    while k > 0 {
+        if k & 1 == 1 {
+            r = rotated(r, p);
+        }
+        p = rotated(p, p);
+        k >>= 1;
+    }
+    r
 }
 
 /// Appends random values for one generator.

@@ -50,7 +50,7 @@ impl<const C: u64> Lowering<'_, C> {
         all.push(value);
         let at = self.nonzero_trials(&all, all.len() + 2 * SPARE);
         if at.len() < all.len() + SPARE {
-            return Err(self.kernel(base, "it has no value at most points, under a root"));
+            return Err(self.few_trials(base, all.len() + 2 * SPARE, "it has no value at most points, under a root"));
         }
         let others = &all[..all.len() - 1];
         let few = &at[..at.len().min(all.len() + 16)];

@@ -1,6 +1,6 @@
 //! Random expressions: verdicts against floating-point values, and ranks of random products.
 
-use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Tape, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Func, Func2, Node, Pool, Tape, ZeroTest};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
@@ -14,7 +14,7 @@ fn random(p: &mut Pool, rng: &mut StdRng, depth: u32) -> Expr {
         };
     }
     let a = random(p, rng, depth - 1);
-    match rng.random_range(0..14) {
+    match rng.random_range(0..16) {
         0..=2 => {
             let b = random(p, rng, depth - 1);
             p.add(a, b)
@@ -35,6 +35,11 @@ fn random(p: &mut Pool, rng: &mut StdRng, depth: u32) -> Expr {
         9 => p.sqrt(a),
         10 => p.call([Func::Exp, Func::Tanh][rng.random_range(0..2)], a),
         11 => p.call(Func::Log, a),
+        12 => p.call([Func::Atan, Func::Atan, Func::Asin, Func::Acos][rng.random_range(0..4)], a),
+        13 => {
+            let b = random(p, rng, depth - 1);
+            p.call2(Func2::Atan2, a, b)
+        }
         _ => p.call([Func::Sin, Func::Cos, Func::Tan][rng.random_range(0..3)], a),
     }
 }

@@ -1,0 +1,82 @@
+//! Vectors that are found to be combinations of others, one after the other.
+
+use super::field::Residue;
+
+/// Independent vectors, reduced as they come, so that asking for a combination costs one reduction.
+pub(super) struct Combinations<const C: u64> {
+    rows: Vec<Row<C>>,
+}
+
+/// A combination of the vectors so far that is 1 at its pivot and 0 at those before.
+struct Row<const C: u64> {
+    pivot: usize,
+    values: Vec<Residue<C>>,
+    coefficients: Vec<Residue<C>>,
+}
+
+impl<const C: u64> Combinations<C> {
+    pub(super) fn empty() -> Self {
+        Self { rows: Vec::new() }
+    }
+
+    /// The coefficients by which `v` is a combination of the vectors so far; `None` if it is independent of them.
+    pub(super) fn of(&self, v: &[Residue<C>]) -> Option<Vec<Residue<C>>> {
+        let (rest, coefficients) = self.reduce(v);
+        rest.iter().all(|x| x.is_zero()).then_some(coefficients)
+    }
+
+    /// Adds a vector of the same length as the others; false if it is a combination of them.
+    pub(super) fn insert(&mut self, v: &[Residue<C>]) -> bool {
+        let (mut values, mut coefficients) = self.reduce(v);
+        let Some((pivot, scale)) = values.iter().enumerate().find_map(|(p, x)| Some((p, x.inv()?))) else {
+            return false;
+        };
+        for c in &mut coefficients {
+            *c = -*c;
+        }
+        coefficients.push(Residue::ONE);
+        values.iter_mut().chain(&mut coefficients).for_each(|x| *x *= scale);
+        self.rows.push(Row { pivot, values, coefficients });
+        true
+    }
+
+    /// What is left of a vector, and the combination that was subtracted.
+    fn reduce(&self, v: &[Residue<C>]) -> (Vec<Residue<C>>, Vec<Residue<C>>) {
+        let mut rest = v.to_vec();
+        let mut coefficients = vec![Residue::ZERO; self.rows.len()];
+        for row in &self.rows {
+            let f = rest[row.pivot];
+            if f.is_zero() {
+                continue;
+            }
+            rest.iter_mut().zip(&row.values).for_each(|(x, &y)| *x -= f * y);
+            coefficients.iter_mut().zip(&row.coefficients).for_each(|(x, &y)| *x += f * y);
+        }
+        (rest, coefficients)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::field::Random;
+    use super::*;
+
+    #[test]
+    fn combinations_have_the_coefficients_they_were_made_with() {
+        for seed in 0..40 {
+            let mut rng = Random::new(seed);
+            let (n, length) = (1 + seed as usize % 7, 9);
+            let vectors: Vec<Vec<Residue<1>>> = (0..n).map(|_| (0..length).map(|_| rng.residue()).collect()).collect();
+            let mut span = Combinations::empty();
+            assert!(vectors.iter().all(|v| span.insert(v)));
+            let c: Vec<Residue<1>> = (0..n).map(|k| Residue::from_i64(k as i64 * 3 - 4)).collect();
+            let sum: Vec<Residue<1>> =
+                (0..length).map(|i| vectors.iter().zip(&c).fold(Residue::ZERO, |s, (v, &c)| s + c * v[i])).collect();
+            assert_eq!(span.of(&sum).unwrap(), c);
+            assert!(!span.insert(&sum));
+            let other: Vec<Residue<1>> = (0..length).map(|_| rng.residue()).collect();
+            assert!(span.of(&other).is_none() && span.insert(&other));
+        }
+    }
+}
