@@ -11,6 +11,7 @@ pub(crate) mod crossing;
 pub(crate) mod decide;
 pub(crate) mod descent;
 pub(crate) mod function_pencil;
+pub(crate) mod growing_form;
 pub(crate) mod holding;
 pub(crate) mod impulses;
 pub(crate) mod input_set;

@@ -5,6 +5,7 @@ use bracketry_symbolic::{Expr, Function, Pool};
 use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
 use crate::controllability::critical_mode::{by_critical_modes, in_the_plane};
+use crate::controllability::growing_form::growing_form;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::{Linearization, is_hurwitz, is_linear, uncontrollable};
@@ -143,6 +144,7 @@ fn with_other_inputs(pool: &mut Pool, at: &AtEquilibrium, evidence: &mut Evidenc
 ///   leaves of that foliation z' = h(z), whatever the inputs, and the uncontrollable modes are those of h.
 /// - A function that changes to one side only near the point, or only where it exceeds its value there: from there it does not
 ///   fall back.
+/// - A quadratic form of uncontrollable modes that does not fall near the point.
 fn obstacle(
     pool: &mut Pool,
     at: &AtEquilibrium,
@@ -171,5 +173,5 @@ fn obstacle(
             }));
         }
     }
-    Ok(None)
+    Ok(growing_form(pool, at.frame))
 }

@@ -95,6 +95,14 @@ pub enum StabilizableReason {
         /// Whether that is so above its value at the point, else below.
         above: bool,
     },
+    /// A form of uncontrollable modes that does not fall.
+    #[error(
+        "{function}, which is positive at some points arbitrarily near the point, cannot decrease near it for any inputs"
+    )]
+    Grows {
+        /// The form.
+        function: Function,
+    },
     /// A function that is constant in every mode.
     #[error("{0} is constant, so states with another value of it do not approach the point")]
     Conserved(Function),

@@ -181,10 +181,27 @@ proptest! {
         }
         prop_assert_eq!(hidden(&["u"], &acted, &[(0, 1, t), (1, 0, 1), (2, 1, 1)]), Some(true));
         let found = hidden(&["u"], &alone, &[(0, 1, t), (1, 0, 1)]);
-        if c < 0 {
-            prop_assert_eq!(found, Some(true));
-        } else {
-            prop_assert_ne!(found, Some(true));
+        // c q s2² + b s0² s2² is the rate of a form q.
+        prop_assert_eq!(found, Some(c < 0));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    /// s1 and s2 grow together, whatever s0 is, where it only multiplies them: eigenvalues a ± iω, a > 0, or of both signs; for a < 0
+    /// they decay. What s0³ adds may stabilize.
+    #[test]
+    fn growing_modes_that_inputs_only_multiply(a in nonzero(), w in 1_i64..4, c in -2_i64..3, d in -2_i64..3, t in -2_i64..3) {
+        let of = |more: &str| {
+            let first = format!("{a}*s1 + {w}*s2 + {c}*s0*s1 + {d}*s2^2");
+            ["u".to_owned(), first, format!("{a}*s2 - {w}*s1 + {d}*s0*s1 - {c}*s0^2*s2 {more}")]
+        };
+        prop_assert_eq!(hidden(&["u"], &of(""), &[(0, 1, t), (1, 0, 1), (2, 1, 1)]), Some(a < 0));
+        let saddle = ["u".to_owned(), format!("{w}*s1 + {c}*s0*s2"), format!("-s2 + {d}*s0*s1")];
+        prop_assert_eq!(hidden(&["u"], &saddle, &[(0, 1, t), (1, 0, 1), (2, 1, 1)]), Some(false));
+        if a > 0 {
+            prop_assert_ne!(hidden(&["u"], &of("+ s0^3"), &[(0, 1, t)]), Some(false));
         }
     }
 }

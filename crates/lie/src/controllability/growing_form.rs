@@ -1,0 +1,135 @@
+//! Quadratic forms of uncontrollable modes that no input lowers.
+
+use bracketry_symbolic::{Echelon, Expr, Function, Pool, Rational};
+use rustc_hash::FxHashMap;
+
+use crate::algebra::span::vanishes;
+use crate::controllability::linearization::{quotient_by_reachable, rational_matrices};
+use crate::controllability::local_accessibility::Frame;
+use crate::controllability::sign::NearOrigin;
+use crate::linear::form::signs;
+use crate::linear::matrix::RationalMatrix;
+use crate::linear::pencil::semidefinite_combinations;
+use crate::reason::StabilizableReason;
+
+/// Most uncontrollable modes.
+const MAX_MODES: usize = 4;
+
+/// A form V = yᵀ P y of functions y = W (x − x0) that no input changes at once, with V' ≥ 0 near the point and V > 0 at some points
+/// arbitrarily near it: from these, no motion near the point approaches it.
+///
+/// With y' = Q y to first order, tried are P for which QᵀP + P Q is semidefinite, zero (as of oscillating modes), or 1.
+pub(crate) fn growing_form(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
+    let n = frame.fields.states.len();
+    let (a, b) = rational_matrices(pool, frame)?;
+    let modes = Echelon::invariant(b.rows(), n, |v| a.times(v)).null_space();
+    let k = modes.len();
+    if k == 0 || k > MAX_MODES {
+        return None;
+    }
+    let (variables, offsets) = frame.deviations(pool);
+    // Coordinates y in place of one deviation each, in which the others do not occur.
+    let own = |i: usize| {
+        let alone = |&x: &usize| (0..k).all(|l| modes[l][x] == if l == i { Rational::ONE } else { Rational::ZERO });
+        (0..n).find(alone)
+    };
+    let places: Vec<usize> = (0..k).map(own).collect::<Option<_>>()?;
+    let mut straight: FxHashMap<Expr, Expr> = FxHashMap::default();
+    for (&place, w) in places.iter().zip(&modes) {
+        let y = pool.sym(variables[place]);
+        let rest: Vec<Rational> =
+            (0..n).map(|x| if places.contains(&x) { Rational::ZERO } else { -w[x].clone() }).collect();
+        let others: Vec<Expr> = variables.iter().map(|&x| pool.sym(x)).collect();
+        let others = combination(pool, &others, &rest);
+        straight.insert(y, pool.add(y, others));
+    }
+    let modal: Vec<Expr> = places.iter().map(|&place| pool.sym(variables[place])).collect();
+    let moved = |pool: &mut Pool, field: &[Expr], w: &[Rational]| {
+        let sum = combination(pool, field, w);
+        let sum = pool.substitute(sum, &offsets);
+        pool.substitute(sum, &straight)
+    };
+    for (g, w) in frame.fields.controls.iter().flat_map(|g| modes.iter().map(move |w| (g, w))) {
+        let along = moved(pool, g, w);
+        if !vanishes(pool, along, &frame.fields.bindings) {
+            return None;
+        }
+    }
+    let rates: Vec<Expr> = modes.iter().map(|w| moved(pool, &frame.fields.drift, w)).collect();
+    let near = NearOrigin { frame, variables, everywhere: false };
+    for p in forms(&quotient_by_reachable(&a, &b), k) {
+        if pool.reached_limit().is_some() {
+            return None;
+        }
+        // V' = 2 yᵀ P y'.
+        let mut rate = pool.int(0);
+        for (row, &y) in p.rows().iter().zip(&modal) {
+            let pulled = combination(pool, &rates, row);
+            let term = pool.mul(y, pulled);
+            rate = pool.add(rate, term);
+        }
+        let rate = pool.expand(rate);
+        let sign = near.sign(pool, rate);
+        let opposite =
+            RationalMatrix::new(p.rows().iter().map(|r| r.iter().map(|x| -x.clone()).collect()).collect(), k);
+        let grows =
+            [(&p, sign), (&opposite, sign.opposite())].into_iter().find(|(p, s)| s.at_least_zero() && signs(p).0);
+        if let Some((p, _)) = grows {
+            let deviations: Vec<Expr> = (0..n)
+                .map(|i| {
+                    let x = pool.sym(frame.fields.states[i]);
+                    pool.sub(x, frame.point()[i])
+                })
+                .collect();
+            let y: Vec<Expr> = modes.iter().map(|w| combination(pool, &deviations, w)).collect();
+            let mut value = pool.int(0);
+            for (row, &y_i) in p.rows().iter().zip(&y) {
+                let pulled = combination(pool, &y, row);
+                let term = pool.mul(y_i, pulled);
+                value = pool.add(value, term);
+            }
+            let value = pool.expand(value);
+            return Some(StabilizableReason::Grows { function: Function::new(pool, value) });
+        }
+    }
+    None
+}
+
+/// Σ c_i e_i.
+fn combination(pool: &mut Pool, list: &[Expr], coefficients: &[Rational]) -> Expr {
+    let mut sum = pool.int(0);
+    for (&e, c) in list.iter().zip(coefficients) {
+        let c = pool.rational(c.clone());
+        let term = pool.mul(c, e);
+        sum = pool.add(sum, term);
+    }
+    sum
+}
+
+/// A basis of the symmetric P with QᵀP + P Q = 0, a P with QᵀP + P Q = 1, and others for which that is semidefinite.
+fn forms(q: &RationalMatrix, k: usize) -> Vec<RationalMatrix> {
+    let places: Vec<(usize, usize)> = (0..k).flat_map(|i| (i..k).map(move |j| (i, j))).collect();
+    let symmetric = |c: &[Rational]| {
+        let mut sum = vec![vec![Rational::ZERO; k]; k];
+        for (&(i, j), c) in places.iter().zip(c) {
+            sum[i][j].clone_from(c);
+            sum[j][i].clone_from(c);
+        }
+        sum
+    };
+    let changed = |place: usize| {
+        let unit: Vec<Rational> = (0..places.len()).map(|l| Rational::from(i64::from(l == place))).collect();
+        let p = symmetric(&unit);
+        let product = |i: usize, j: usize| (0..k).fold(Rational::ZERO, |s, l| s + &p[i][l] * &q.rows()[l][j]);
+        let rows = (0..k).map(|i| (0..k).map(|j| product(i, j) + product(j, i)).collect());
+        RationalMatrix::new(rows.collect(), k)
+    };
+    let changes: Vec<RationalMatrix> = (0..places.len()).map(changed).collect();
+    let rows = places.iter().map(|&(i, j)| {
+        let right = if i == j { -Rational::ONE } else { Rational::ZERO };
+        changes.iter().map(|c| c.rows()[i][j].clone()).chain([right]).collect()
+    });
+    let null = RationalMatrix::new(rows.collect(), places.len() + 1).null_space();
+    let all = null.into_iter().chain(semidefinite_combinations(&changes));
+    all.map(|c| RationalMatrix::new(symmetric(&c), k)).collect()
+}
