@@ -14,7 +14,7 @@ use crate::passivity::storage;
 use crate::reason::CertificateReason;
 use crate::region::region;
 use crate::report::{Certification, Conserved, Finding, Proof};
-use crate::semidefinite::Limit;
+use bracketry_symbolic::Limit;
 
 /// What is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,8 +81,7 @@ pub fn certify(system: &System, options: &CertifyOptions) -> Result<Certificatio
         return Err(DegreeError { degree: options.degree });
     }
     let start = Instant::now();
-    let deadline = options.time_limit.and_then(|t| start.checked_add(t));
-    let limit = Limit { deadline, stop: options.stop.clone() };
+    let limit = Limit::new(options.time_limit, &options.stop);
     let wanted = |f: Find| options.find.contains(&f);
     let mut found = Certification {
         model: system.name.clone(),

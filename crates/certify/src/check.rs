@@ -5,7 +5,7 @@ use bracketry_system::System;
 use crate::certificate::{Certificate, Claim, Conclusion, Flaw};
 use crate::model::PolynomialModel;
 use crate::reason::CertificateReason;
-use crate::semidefinite::Limit;
+use bracketry_symbolic::Limit;
 
 /// Why a certificate proves nothing of a model.
 #[derive(Clone, Debug, PartialEq)]

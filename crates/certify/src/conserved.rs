@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 use crate::certificate::{Certificate, Claim};
 use crate::model::{PolynomialModel, rate};
 use crate::monomials::{Monomial, degree, monomials};
-use crate::semidefinite::Limit;
+use bracketry_symbolic::Limit;
 
 /// Most unknown coefficients.
 const MAX_UNKNOWNS: usize = 300;
@@ -110,7 +110,7 @@ pub(crate) fn first_integrals(original: &System, limit: &Limit) -> Vec<Function>
     if !system.input_derivatives.is_empty() || !switches.switches.is_empty() {
         return Vec::new();
     }
-    limit.set(&mut system.pool);
+    system.pool.set_limit(limit.clone());
     let mut bindings = Bindings::new();
     for p in &system.parameters {
         bindings.bind(p.symbol, p.value.clone());

@@ -9,9 +9,9 @@ use crate::linearization::{Evaluated, negative};
 use crate::lyapunov::{sum_of_squares, unknown};
 use crate::model::PolynomialModel;
 use crate::monomials::monomials;
-use crate::semidefinite::Limit;
 use crate::sum_of_squares::decimals::rounded;
 use crate::sum_of_squares::program::{AffinePolynomial, Program, Unsolved};
+use bracketry_symbolic::Limit;
 
 /// Halvings of the interval of levels.
 const HALVINGS: usize = 10;

@@ -8,8 +8,8 @@ use crate::linearization::{eigenvalues, lengths, lyapunov_of, negative};
 use crate::model::PolynomialModel;
 use crate::monomials::{Monomial, degree, monomials};
 use crate::reason::CertificateReason;
-use crate::semidefinite::Limit;
 use crate::sum_of_squares::program::{AffinePolynomial, Constraint, MAX_UNKNOWNS, Margin, Program, Unsolved};
+use bracketry_symbolic::Limit;
 
 /// The monomials that V is sought of: quadratic, with products of squares, all; as far as a program may have that many unknowns.
 fn templates(n: usize, largest: u32) -> Vec<Vec<Monomial>> {

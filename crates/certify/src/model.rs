@@ -6,7 +6,7 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use crate::reason::CertificateReason;
-use crate::semidefinite::Limit;
+use bracketry_symbolic::Limit;
 
 /// x' = f(x) + Σ u_j g_j(x), y = h(x), in deviations from an equilibrium, with rational coefficients.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,7 +143,7 @@ impl PolynomialModel {
     /// The model at its point; the reason where it is not polynomial, or the point no equilibrium.
     pub(crate) fn new(original: &System, limit: &Limit) -> Result<Self, CertificateReason> {
         let mut system = original.clone();
-        limit.set(&mut system.pool);
+        system.pool.set_limit(limit.clone());
         if let Some(d) = system.input_derivatives.first() {
             let input = system.symbol_name(system.inputs[d.input]).to_owned();
             return Err(CertificateReason::InputDerivative { input });

@@ -9,8 +9,8 @@ use crate::lyapunov::{MAX_SUBSETS_OF, is_inside, proper_subsets, sum_of_squares,
 use crate::model::{PolynomialModel, rate};
 use crate::monomials::monomials;
 use crate::reason::CertificateReason;
-use crate::semidefinite::Limit;
 use crate::sum_of_squares::program::{AffinePolynomial, MAX_UNKNOWNS, Program, Unsolved};
+use bracketry_symbolic::Limit;
 
 /// A storage function of degree at most `largest` for the inputs and outputs in their order: S ≥ 0, ∇S·f ≤ 0, ∇S·g = h (Hill and
 /// Moylan, IEEE Trans. Autom. Control 21 (1976) 708–711).

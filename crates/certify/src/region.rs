@@ -6,8 +6,8 @@ use crate::linearization::{eigenvalues, lengths, lyapunov_of, quadratic};
 use crate::lyapunov::global;
 use crate::model::PolynomialModel;
 use crate::reason::CertificateReason;
-use crate::semidefinite::Limit;
 use crate::series::truncated;
+use bracketry_symbolic::Limit;
 
 /// Largest level that is tried where no point with V' ≥ 0 is found, over that of the unit ball.
 const LARGEST: f64 = 1e6;

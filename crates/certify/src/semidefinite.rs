@@ -4,9 +4,7 @@
 //! describe scaled diagonal dominance only. The programs here are small and of one shape, in which every entry of a Gram matrix
 //! belongs to one equation, so that the linear systems are formed without tables.
 
-use std::time::Instant;
-
-use bracketry_symbolic::{Pool, StopFlag};
+use bracketry_symbolic::Limit;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// The equations A(X) + B y = b of one block, X ⪰ 0 of size n × n: A adds up the entries of X that belong to each row.
@@ -38,25 +36,6 @@ pub(crate) struct Solution {
     pub(crate) free: DVector<f64>,
     /// Largest residual of the equations relative to the right-hand sides.
     pub(crate) residual: f64,
-}
-
-/// When to give up; by default never.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Limit {
-    pub(crate) deadline: Option<Instant>,
-    pub(crate) stop: StopFlag,
-}
-
-impl Limit {
-    /// Makes work in a pool look at this limit.
-    pub(crate) fn set(&self, pool: &mut Pool) {
-        pool.set_deadline(self.deadline);
-        pool.set_stop_flag(self.stop.clone());
-    }
-
-    pub(crate) fn is_reached(&self) -> bool {
-        self.stop.is_raised() || self.stop.is_out_of_memory() || self.deadline.is_some_and(|d| Instant::now() >= d)
-    }
 }
 
 const MAX_ITERATIONS: usize = 80;

@@ -1,11 +1,9 @@
 //! One method after the other, and the check of what it gave.
 
-use std::time::Instant;
-
 use bracketry_lie::Error as LieError;
 use bracketry_lie::analysis::{ModeFields, mode_fields};
 use bracketry_sim::Hold;
-use bracketry_symbolic::ZeroTest;
+use bracketry_symbolic::{Limit, ZeroTest};
 use bracketry_system::System;
 
 use crate::correction::corrected;
@@ -33,9 +31,9 @@ pub fn steer(given: &System, options: &SteerOptions) -> Result<Steering, SteerEr
     let system = own_inputs(given)?;
     check(&system, options)?;
     system.check_denominators()?;
-    let deadline = options.time_limit.and_then(|limit| Instant::now().checked_add(limit));
+    let limit = Limit::new(options.time_limit, &options.stop);
     let ranges = Ranges::of(&system);
-    let problem = Problem { given: given.clone(), system: system.clone(), options: options.clone(), ranges, deadline };
+    let problem = Problem { given: given.clone(), system: system.clone(), options: options.clone(), ranges, limit };
     let mut result = Steering {
         status: SteerStatus::NotFound,
         plan: None,
@@ -159,8 +157,7 @@ struct View {
 impl View {
     fn of(problem: &Problem) -> Self {
         let mut system = problem.system.clone();
-        system.pool.set_stop_flag(problem.stop().clone());
-        system.pool.set_deadline(problem.deadline);
+        system.pool.set_limit(problem.limit.clone());
         let mode = if system.input_delays.is_empty() {
             match mode_fields(&mut system) {
                 Ok(mut modes) if modes.len() == 1 && modes[0].signs.0.is_empty() => Ok(modes.remove(0)),

@@ -1,8 +1,6 @@
 //! A steering problem as the methods see it.
 
-use std::time::Instant;
-
-use bracketry_symbolic::StopFlag;
+use bracketry_symbolic::{Limit, StopFlag};
 use bracketry_system::System;
 
 use crate::options::SteerOptions;
@@ -19,7 +17,7 @@ pub(crate) struct Problem {
     pub(crate) system: System,
     pub(crate) options: SteerOptions,
     pub(crate) ranges: Ranges,
-    pub(crate) deadline: Option<Instant>,
+    pub(crate) limit: Limit,
 }
 
 /// Inputs made by a method, before they are checked.
@@ -33,11 +31,11 @@ pub(crate) type Outcome = Result<Vec<Planned>, SteerReason>;
 
 impl Problem {
     pub(crate) fn stop(&self) -> &StopFlag {
-        &self.options.stop
+        &self.limit.stop
     }
 
-    /// Whether time is up or somebody asked to stop.
+    /// Whether time is up, memory runs out, or somebody asked to stop.
     pub(crate) fn is_over(&self) -> bool {
-        self.stop().is_raised() || self.stop().is_out_of_memory() || self.deadline.is_some_and(|d| Instant::now() >= d)
+        self.limit.is_reached()
     }
 }

@@ -60,8 +60,7 @@ impl Pool {
     pub fn extract(&self, roots: &[Expr]) -> (Pool, Vec<Expr>) {
         let nodes = self.reachable(roots);
         let mut pool = Pool::new();
-        pool.set_stop_flag(self.stop_flag().clone());
-        pool.set_deadline(self.deadline());
+        pool.set_limit(self.limit().clone());
         for name in self.names() {
             pool.symbol(name);
         }

@@ -49,7 +49,7 @@ pub use parse::{Names, ParseError};
 pub use point::EvaluationError;
 pub use pool::{Directed, Expr, Node, Pool, Symbol};
 pub use source::{Language, SourceNames, Statements};
-pub use stop_flag::StopFlag;
+pub use stop_flag::{Limit, Reached, StopFlag};
 pub use table::{Entry, ExprTable, TableError};
 pub use tape::{CompileError, Instruction, Op, Tape};
 pub use text_size::TextSize;

@@ -8,7 +8,7 @@ use hashbrown::HashTable;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use crate::func::{Func, Func2};
-use crate::stop_flag::StopFlag;
+use crate::stop_flag::{Limit, StopFlag};
 
 /// An expression: an index into the [`Pool`] that made it.
 ///
@@ -119,9 +119,7 @@ pub struct Pool {
     pub(crate) primitives: FxHashMap<Expr, (RBig, Expr)>,
     /// Squares |σ|² whose unit vectors σ/|σ| are set-valued, with how that is known.
     pub(crate) directed: FxHashMap<Expr, Directed>,
-    stop: StopFlag,
-    /// When exact decisions give up.
-    deadline: Option<Instant>,
+    limit: Limit,
 }
 
 fn symbol_bit(s: Symbol) -> u64 {
@@ -149,8 +147,7 @@ impl Default for Pool {
             derivatives: FxHashMap::default(),
             primitives: FxHashMap::default(),
             directed: FxHashMap::default(),
-            stop: StopFlag::default(),
-            deadline: None,
+            limit: Limit::default(),
         };
         for unit in [0, 1, -1] {
             pool.small_number(unit);
@@ -184,25 +181,35 @@ impl Pool {
         Self::default()
     }
 
-    /// The flag that ends long work on expressions of this pool. Clones of a pool share it.
+    /// When work on expressions of this pool ends early: exact decisions are then [undecided](crate::Undecided), and expressions are
+    /// left as they are instead of being simplified. Clones of the pool share the flag and have the same deadline.
+    pub fn limit(&self) -> &Limit {
+        &self.limit
+    }
+
+    /// Gives the pool another limit.
+    pub fn set_limit(&mut self, limit: Limit) {
+        self.limit = limit;
+    }
+
+    /// The flag of the [limit](Self::limit).
     pub fn stop_flag(&self) -> &StopFlag {
-        &self.stop
+        &self.limit.stop
     }
 
     /// Gives the pool another flag.
     pub fn set_stop_flag(&mut self, flag: StopFlag) {
-        self.stop = flag;
+        self.limit.stop = flag;
     }
 
-    /// When exact decisions in this pool give up, if ever.
+    /// The deadline of the [limit](Self::limit).
     pub fn deadline(&self) -> Option<Instant> {
-        self.deadline
+        self.limit.deadline
     }
 
-    /// From `deadline` on, exact decisions are [undecided](crate::Undecided::TimeLimit), and expressions are left as they
-    /// are instead of being simplified. Clones of the pool have the same deadline.
+    /// Gives the pool another deadline.
     pub fn set_deadline(&mut self, deadline: Option<Instant>) {
-        self.deadline = deadline;
+        self.limit.deadline = deadline;
     }
 
     /// Number of distinct nodes made so far.

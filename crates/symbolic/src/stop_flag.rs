@@ -1,7 +1,8 @@
-//! A flag that ends long computations early.
+//! When long computations end early.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// A flag between who asks for work and who does it. Clones share it.
 ///
@@ -52,4 +53,47 @@ impl PartialEq for StopFlag {
     fn eq(&self, _: &Self) -> bool {
         true
     }
+}
+
+/// When work is to end: at a time, or when a flag is raised or tells that memory runs out. By default never.
+#[derive(Clone, Debug, Default)]
+pub struct Limit {
+    /// The time.
+    pub deadline: Option<Instant>,
+    /// The flag.
+    pub stop: StopFlag,
+}
+
+impl Limit {
+    /// So long from now.
+    pub fn new(time_limit: Option<Duration>, stop: &StopFlag) -> Self {
+        Self { deadline: time_limit.and_then(|limit| Instant::now().checked_add(limit)), stop: stop.clone() }
+    }
+
+    /// Why work is to end, if it is.
+    pub fn reached(&self) -> Option<Reached> {
+        if self.stop.is_raised() {
+            return Some(Reached::Flag);
+        }
+        if self.stop.is_out_of_memory() {
+            return Some(Reached::Memory);
+        }
+        self.deadline.is_some_and(|end| Instant::now() >= end).then_some(Reached::Time)
+    }
+
+    /// Whether work is to end.
+    pub fn is_reached(&self) -> bool {
+        self.reached().is_some()
+    }
+}
+
+/// What ends work early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reached {
+    /// The flag was raised.
+    Flag,
+    /// Memory runs out.
+    Memory,
+    /// The time has passed.
+    Time,
 }

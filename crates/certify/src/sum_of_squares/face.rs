@@ -9,10 +9,10 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::gram::Gram;
 use crate::monomials::product;
-use crate::semidefinite::Limit;
 use crate::sum_of_squares::decimals::rounded;
 use crate::sum_of_squares::numeric::{Numeric, rows};
 use crate::sum_of_squares::program::{Constraint, Program};
+use bracketry_symbolic::Limit;
 
 /// Eigenvalues below this, relative to the largest, are taken for zero: the first that gives an exact solution.
 const ZERO: [f64; 3] = [1e-5, 1e-4, 1e-3];

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 
 use crate::monomials::{Monomial, product};
-use crate::semidefinite::{Block, Limit, Problem};
+use crate::semidefinite::{Block, Problem};
 use crate::sum_of_squares::program::{AffinePolynomial, Constraint, Margin, Program, Unsolved};
+use bracketry_symbolic::Limit;
 
 /// A numerical solution with the largest margin.
 #[derive(Clone, Debug)]

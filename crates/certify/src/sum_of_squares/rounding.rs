@@ -6,11 +6,11 @@ use nalgebra::DMatrix;
 
 use crate::gram::Gram;
 use crate::monomials::product;
-use crate::semidefinite::Limit;
 use crate::sum_of_squares::decimals::rounded;
 use crate::sum_of_squares::face::on_face;
 use crate::sum_of_squares::numeric::{Numeric, rows};
 use crate::sum_of_squares::program::{Constraint, Program, Unsolved};
+use bracketry_symbolic::Limit;
 
 /// A solution in exact arithmetic.
 #[derive(Clone, Debug)]

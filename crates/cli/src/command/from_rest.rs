@@ -31,7 +31,8 @@ pub(crate) struct Request<'a> {
 /// Prints the answer, and draws the cone of displacements.
 pub(crate) fn run(system: &System, args: &Request<'_>, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let bounds = args.bounds.map_or(Ok(Vec::new()), Bound::list).context("--bounds")?;
-    let options = FromRestOptions { bounds, time_limit: Some(args.time_limit), ..FromRestOptions::default() };
+    let stop = system.pool.stop_flag().clone();
+    let options = FromRestOptions { bounds, time_limit: Some(args.time_limit), stop };
     if let Some(map) = args.map {
         return cells(system, map, &options, args, output);
     }

@@ -10,7 +10,10 @@ const NAMES: [&str; 3] = ["X", "Y", "Z"];
 
 /// X' = u, Y' and Z' polynomials with these coefficients: linear, quadratic, and cubic terms in turn.
 fn dynamics(coefficients: &[i64]) -> Vec<String> {
-    let monomials = ["X", "Y", "Z", "X^2", "X*Y", "X*Z", "Y^2", "Y*Z", "Z^2", "X^3", "X^2*Y", "X*Y^2", "Y^3", "Z^3", "X^2*Z", "Y*Z^2"];
+    let monomials = [
+        "X", "Y", "Z", "X^2", "X*Y", "X*Z", "Y^2", "Y*Z", "Z^2", "X^3", "X^2*Y", "X*Y^2", "Y^3", "Z^3", "X^2*Z",
+        "Y*Z^2",
+    ];
     let rate = |c: &[i64]| {
         let terms: Vec<String> =
             c.iter().zip(monomials).filter(|(c, _)| **c != 0).map(|(c, m)| format!("({c})*{m}")).collect();

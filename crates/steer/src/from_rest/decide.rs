@@ -1,7 +1,6 @@
 //! The answer: friction cones first, then loops.
 
-use std::time::Instant;
-
+use bracketry_symbolic::Limit;
 use bracketry_system::System;
 
 use super::bounds::{Bound, Span, derivative_name};
@@ -23,35 +22,17 @@ const SLIGHTLY: f64 = 0.995;
 /// Durations of loops, relative to the full ones, at which displacements are computed.
 const SHORTER: [f64; 4] = [0.9, 0.5, 0.25, 0.125];
 
-/// When to stop.
-#[derive(Clone, Copy)]
-pub(crate) struct Limit<'a> {
-    pub(crate) options: &'a FromRestOptions,
-    pub(crate) deadline: Option<Instant>,
-}
-
-impl<'a> Limit<'a> {
-    pub(crate) fn new(options: &'a FromRestOptions) -> Self {
-        Limit { options, deadline: options.time_limit.and_then(|limit| Instant::now().checked_add(limit)) }
-    }
-
-    pub(crate) fn is_over(self) -> bool {
-        self.options.stop.is_raised() || self.deadline.is_some_and(|d| Instant::now() >= d)
-    }
-}
-
 /// Whether inputs within their bounds move the coordinates of a model from rest to rest, near its point.
 ///
 /// # Errors
 /// [`FromRestError`] for bounds that do not fit the model, and for models that cannot be simulated.
 pub fn from_rest(system: &System, options: &FromRestOptions) -> Result<FromRest, FromRestError> {
-    let limit = Limit::new(options);
+    let limit = Limit::new(options.time_limit, &options.stop);
     match RestModel::new(system, &options.bounds)? {
         Ok(mut model) => {
-            model.system.pool.set_stop_flag(options.stop.clone());
-            model.system.pool.set_deadline(limit.deadline);
+            model.system.pool.set_limit(limit.clone());
             let mut plant = Plant::new(&model, &options.stop)?;
-            Ok(decided(&system.name, &mut model, &mut plant, Depth::Full, limit))
+            Ok(decided(&system.name, &mut model, &mut plant, Depth::Full, &limit))
         }
         Err(reason) => Ok(FromRest::without_answer(&system.name, reason)),
     }
@@ -67,13 +48,7 @@ pub(crate) enum Depth {
 }
 
 /// The answer for a model with its bounds. Where the loops that span the coordinates are no evidence, all are tried.
-pub(crate) fn decided(
-    name: &str,
-    model: &mut RestModel,
-    plant: &mut Plant,
-    depth: Depth,
-    limit: Limit<'_>,
-) -> FromRest {
+pub(crate) fn decided(name: &str, model: &mut RestModel, plant: &mut Plant, depth: Depth, limit: &Limit) -> FromRest {
     let found = decided_at(name, model, plant, depth, limit);
     if depth == Depth::Answers && found.reason == Some(FromRestReason::NoReturn) {
         return decided_at(name, model, plant, Depth::Full, limit);
@@ -81,11 +56,13 @@ pub(crate) fn decided(
     found
 }
 
-fn decided_at(name: &str, model: &mut RestModel, plant: &mut Plant, depth: Depth, limit: Limit<'_>) -> FromRest {
+fn decided_at(name: &str, model: &mut RestModel, plant: &mut Plant, depth: Depth, limit: &Limit) -> FromRest {
     let home: Vec<Vec<Span>> = model.channels.iter().map(Channel::at_home).collect();
     let at_home = Test::new(model, &home, Where::Anywhere).run();
     if at_home.motions.iter().any(|m| *m != Motion::Never) {
-        return FromRest::without_answer(name, FromRestReason::NotAtRest);
+        // What is not seen in time is not known to be at rest.
+        let why = if limit.is_reached() { FromRestReason::Stopped } else { FromRestReason::NotAtRest };
+        return FromRest::without_answer(name, why);
     }
     let held = global(model);
     let mut strokes = Vec::new();
@@ -99,7 +76,7 @@ fn decided_at(name: &str, model: &mut RestModel, plant: &mut Plant, depth: Depth
             break;
         }
         for stroke in make(model, &slow) {
-            if limit.is_over() {
+            if limit.is_reached() {
                 stopped = true;
                 break;
             }
@@ -129,10 +106,10 @@ fn decided_at(name: &str, model: &mut RestModel, plant: &mut Plant, depth: Depth
             moving: &found.moving,
             shorter: &SHORTER,
         };
-        found.grid = grid(&of, plant, || limit.is_over());
+        found.grid = grid(&of, plant, || limit.is_reached());
         if let Some(grid) = &found.grid {
             let used: Vec<Loop> = grid.loops.iter().map(|&k| loops[k].clone()).collect();
-            let is_over = || limit.is_over();
+            let is_over = || limit.is_reached();
             let mut meeting = Meeting { model, plant, loops: &used, sizes: &found.sizes, is_over: &is_over };
             let back = meeting.returned(&at, &found.moving);
             found.back = back.map(|back| Return { loops: grid.loops.clone(), ..back });

@@ -1,10 +1,11 @@
 //! Answers over two bounds: where a "no" becomes a "yes".
 
+use bracketry_symbolic::Limit;
 use bracketry_system::System;
 use serde::Serialize;
 
 use super::bounds::{Bound, derivative_name};
-use super::decide::{Depth, Limit, decided};
+use super::decide::{Depth, decided};
 use super::displacement::Plant;
 use super::error::FromRestError;
 use super::held::Motion;
@@ -60,25 +61,25 @@ impl FromRestMap {
 }
 
 /// A model whose bounds change.
-struct Varied<'a> {
+struct Varied {
     model: RestModel,
     plant: Plant,
     /// Channel and order of the two bounds.
     places: [(usize, usize); 2],
-    limit: Limit<'a>,
+    limit: Limit,
 }
 
-impl Varied<'_> {
+impl Varied {
     fn answers(&mut self, sizes: [f64; 2]) -> Option<(Vec<Motion>, CellAnswers)> {
-        if self.limit.is_over() {
+        if self.limit.is_reached() {
             return None;
         }
         for (&(channel, order), size) in self.places.iter().zip(sizes) {
             self.model.bound(channel, order, size);
         }
-        let found = decided("", &mut self.model, &mut self.plant, Depth::Answers, self.limit);
+        let found = decided("", &mut self.model, &mut self.plant, Depth::Answers, &self.limit);
         // Exact tests that run out of time answer less than they could.
-        if found.reason == Some(FromRestReason::Stopped) || self.limit.is_over() {
+        if found.reason == Some(FromRestReason::Stopped) || self.limit.is_reached() {
             return None;
         }
         Some((
@@ -145,7 +146,7 @@ pub fn from_rest_map(
     cells: usize,
     options: &FromRestOptions,
 ) -> Result<FromRestMap, FromRestError> {
-    let limit = Limit::new(options);
+    let limit = Limit::new(options.time_limit, &options.stop);
     let mut bounds: Vec<Bound> =
         options.bounds.iter().filter(|b| axes.iter().all(|a| a.name != b.name)).cloned().collect();
     for axis in axes {
@@ -172,8 +173,7 @@ pub fn from_rest_map(
         Ok(model) => model,
         Err(reason) => return Ok(FromRestMap { reason: Some(reason), ..map }),
     };
-    model.system.pool.set_stop_flag(options.stop.clone());
-    model.system.pool.set_deadline(limit.deadline);
+    model.system.pool.set_limit(limit.clone());
     let place = |axis: &Bound| {
         let orders = model.channels.iter().enumerate().flat_map(|(j, c)| (0..=c.order()).map(move |o| (j, o)));
         let mut found = orders.filter(|&(j, o)| derivative_name(&model.channels[j].name, o) == axis.name);

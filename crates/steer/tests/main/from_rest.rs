@@ -199,6 +199,23 @@ fn models_without_rest_or_friction_have_no_answer() {
     assert_eq!(under(&model("unicycle"), Vec::new()).reason, Some(FromRestReason::NoCoordinates));
 }
 
+/// Motion is a statement of loops, so it is open where there is no time or memory for them; friction cones decide all the same.
+#[test]
+fn at_its_limits_the_answer_is_open() {
+    let bounds = |text: &str| Bound::list(text).unwrap();
+    let ends: [fn(&mut FromRestOptions); 3] = [
+        |options| options.stop.raise(),
+        |options| options.stop.memory_runs_out(),
+        |options| options.time_limit = Some(std::time::Duration::ZERO),
+    ];
+    for end in ends {
+        let mut options = FromRestOptions { bounds: bounds("der(X,2)=-4..4"), ..FromRestOptions::default() };
+        end(&mut options);
+        let found = from_rest(&model("shaken_table"), &options).unwrap();
+        assert_eq!((found.answer, found.reason), (Answer::Unknown, Some(FromRestReason::Stopped)));
+    }
+}
+
 #[test]
 fn bounds_that_do_not_fit_are_refused() {
     let table = model("shaken_table");

@@ -1,8 +1,8 @@
 //! Sines and cosines: points on the unit circle over the field, one generator per base angle.
 
+use super::combinations::Kernels;
 use super::field::{Residue, THIRD_OFFSET, gcd};
 use super::kernels::{Angle, AngleKind};
-use super::linear_relation::Kernels;
 use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Point, Reg, Step, turned};
 use crate::pool::{Expr, Node};

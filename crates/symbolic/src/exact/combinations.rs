@@ -1,6 +1,45 @@
 //! Vectors that are found to be combinations of others, one after the other.
 
 use super::field::Residue;
+use super::program::Reg;
+
+/// Which arguments are compared with each other.
+#[derive(Clone, Copy)]
+pub(super) enum Kernels {
+    Angles,
+    Exponents,
+}
+
+/// What is known of the arguments so far.
+#[derive(Default)]
+pub(super) struct LinearRelations<const C: u64> {
+    angles: Known<C>,
+    exponents: Known<C>,
+}
+
+/// Registers, the trial points at which all have values, and these values.
+pub(super) struct Known<const C: u64> {
+    pub(super) registers: Vec<Reg>,
+    pub(super) at: Vec<usize>,
+    pub(super) values: Combinations<C>,
+    /// One of the registers is a combination of those before it.
+    pub(super) dependent: bool,
+}
+
+impl<const C: u64> LinearRelations<C> {
+    pub(super) fn of(&mut self, kernels: Kernels) -> &mut Known<C> {
+        match kernels {
+            Kernels::Angles => &mut self.angles,
+            Kernels::Exponents => &mut self.exponents,
+        }
+    }
+}
+
+impl<const C: u64> Default for Known<C> {
+    fn default() -> Self {
+        Self { registers: Vec::new(), at: Vec::new(), values: Combinations::empty(), dependent: false }
+    }
+}
 
 /// Independent vectors, reduced as they come, so that asking for a combination costs one reduction.
 pub(super) struct Combinations<const C: u64> {

@@ -8,10 +8,10 @@
 use dashu_ratio::RBig;
 
 use super::circle::MAX_MULTIPLE;
+use super::combinations::Kernels;
 use super::constants::factors;
 use super::field::{Residue, gcd};
 use super::kernels::Power;
-use super::linear_relation::Kernels;
 use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use super::relation::Relation;

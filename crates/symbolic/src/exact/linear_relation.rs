@@ -1,41 +1,12 @@
 //! Arguments of kernels that are rational combinations of those before them, found from values at the trial points.
 
-use super::combinations::Combinations;
+use super::combinations::{Kernels, Known};
 use super::lowering::{FRACTION_BOUND, Lowering, Stop};
 use super::program::Reg;
 use crate::pool::Expr;
 
 /// Trial points beyond the number of unknowns of a linear relation.
 pub(super) const SPARE: usize = 6;
-
-/// Which arguments are compared with each other.
-#[derive(Clone, Copy)]
-pub(super) enum Kernels {
-    Angles,
-    Exponents,
-}
-
-/// What is known of the arguments so far.
-#[derive(Default)]
-pub(super) struct LinearRelations<const C: u64> {
-    angles: Known<C>,
-    exponents: Known<C>,
-}
-
-/// Registers, the trial points at which all have values, and these values.
-struct Known<const C: u64> {
-    registers: Vec<Reg>,
-    at: Vec<usize>,
-    values: Combinations<C>,
-    /// One of the registers is a combination of those before it.
-    dependent: bool,
-}
-
-impl<const C: u64> Default for Known<C> {
-    fn default() -> Self {
-        Self { registers: Vec::new(), at: Vec::new(), values: Combinations::empty(), dependent: false }
-    }
-}
 
 impl<const C: u64> Lowering<'_, C> {
     /// The rational coefficients by which register `value` is a combination of `basis`, to which registers are only appended between
@@ -47,17 +18,10 @@ impl<const C: u64> Lowering<'_, C> {
         basis: &[Reg],
         value: Reg,
     ) -> Result<Option<Vec<(i64, i64)>>, Stop> {
-        let mut known = std::mem::take(self.known(kernels));
+        let mut known = std::mem::take(self.relations.of(kernels));
         let found = self.combination(e, &mut known, basis, value);
-        *self.known(kernels) = known;
+        *self.relations.of(kernels) = known;
         found
-    }
-
-    fn known(&mut self, kernels: Kernels) -> &mut Known<C> {
-        match kernels {
-            Kernels::Angles => &mut self.relations.angles,
-            Kernels::Exponents => &mut self.relations.exponents,
-        }
     }
 
     fn combination(

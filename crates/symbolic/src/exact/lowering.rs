@@ -7,9 +7,9 @@ use rustc_hash::FxHashMap;
 
 use super::Undecided;
 use super::character::Character;
+use super::combinations::LinearRelations;
 use super::field::{Random, Residue};
 use super::kernels::{Circle, ExpLog, Roots};
-use super::linear_relation::LinearRelations;
 use super::program::{Generator, Program, Reg, Step, draw};
 use crate::pool::{Expr, Pool};
 

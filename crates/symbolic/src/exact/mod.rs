@@ -26,7 +26,6 @@ mod roots;
 mod surd;
 
 use std::fmt;
-use std::time::Instant;
 
 use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
@@ -42,6 +41,7 @@ use self::lower::{Lowered, lower};
 use self::lowering::Stop;
 use self::program::Fault;
 use crate::pool::{Expr, Pool, Symbol};
+use crate::stop_flag::Reached;
 
 /// Exact values for some symbols; all others are generic.
 #[derive(Clone, Debug, Default)]
@@ -177,13 +177,11 @@ impl Pool {
     /// Why work in this pool is to end, if it is: its [flag](Self::stop_flag) was raised or tells that
     /// [memory runs out](crate::StopFlag::memory_runs_out), or its [deadline](Self::set_deadline) has passed.
     pub fn reached_limit(&self) -> Option<Undecided> {
-        if self.stop_flag().is_raised() {
-            return Some(Undecided::Stopped);
-        }
-        if self.stop_flag().is_out_of_memory() {
-            return Some(Undecided::MemoryLimit);
-        }
-        self.deadline().is_some_and(|end| Instant::now() >= end).then_some(Undecided::TimeLimit)
+        self.limit().reached().map(|reached| match reached {
+            Reached::Flag => Undecided::Stopped,
+            Reached::Memory => Undecided::MemoryLimit,
+            Reached::Time => Undecided::TimeLimit,
+        })
     }
 }
 
