@@ -189,11 +189,16 @@ mod tests {
             let terms: Vec<(i64, [u32; 2])> = terms.into_iter().map(|(c, i, j)| (c, [i, j])).collect();
             let p = polynomial(&terms);
             if p.is_nonnegative_near_origin(None) {
-                for (x, y) in [(1, 1), (-1, 1), (1, -1), (-1, -1), (1, 50), (-1, 50), (50, 1), (50, -1), (0, 1), (1, 0)] {
-                    let small = |k: i64| Rational::from(k) / Rational::from(100_000);
+                let small = |k: i64, power: u32| {
+                    (0..power).fold(Rational::from(k) / Rational::from(2), |p, _| p / Rational::from(10_000))
+                };
+                // Along x = ± k t^i, y = ± l t^j.
+                for code in 0..4i64 * 4 * 5 * 5 {
+                    let (i, j, k, l) = (code % 4, code / 4 % 4, code / 16 % 5 - 2, code / 80 % 5 - 2);
+                    let (x, y) = (small(k, i as u32 + 1), small(l, j as u32 + 1));
                     let value = p.terms().fold(Rational::ZERO, |s, (m, c)| {
-                        let power = |x: Rational, k: u32| (0..k).fold(Rational::ONE, |p, _| p * &x);
-                        s + c * power(small(x), m[0]) * power(small(y), m[1])
+                        let power = |x: &Rational, k: u32| (0..k).fold(Rational::ONE, |p, _| p * x);
+                        s + c * power(&x, m[0]) * power(&y, m[1])
                     });
                     prop_assert!(value >= Rational::ZERO, "{terms:?} at {x}, {y}");
                 }
