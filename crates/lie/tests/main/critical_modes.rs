@@ -1,6 +1,7 @@
 //! Whether feedback stabilizes an equilibrium with uncontrollable modes on the imaginary axis: families with known answers.
 
 use crate::common::{elementary, system};
+use crate::tier::cases;
 use bracketry_lie::reason::StabilizableReason;
 use bracketry_lie::{AnalysisOptions, analyze_affine};
 use proptest::prelude::*;
@@ -81,7 +82,7 @@ fn nonzero() -> impl Strategy<Value = i64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(cases(3))]
 
     /// h = a x y + b y² + …: x = κ |y| gives any sign. The terms of degree 3 change nothing.
     #[test]
@@ -164,7 +165,7 @@ fn near_misses() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(cases(3))]
 
     /// s1' = s2, s2' = −k s1 + …: an input behind integrators that acts on the amplitude by a s0 s2 or a s0 s1 stabilizes, whatever the
     /// terms of degree 3. Without it, s0² s2 only adds to c (k s1² + s2²) s2 where b > 0.
@@ -187,7 +188,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(cases(3))]
 
     /// s1 and s2 grow together, whatever s0 is, where it only multiplies them: eigenvalues a ± iω, a > 0, or of both signs; for a < 0
     /// they decay. What s0³ adds may stabilize.

@@ -1,6 +1,7 @@
 //! Zero dynamics with eigenvalues on the imaginary axis, whose stability is known by construction.
 
 use crate::common::system;
+use crate::tier::cases;
 use bracketry_lie::feedback::ZeroDynamicsReport;
 use bracketry_lie::reason::MinimumPhaseReason;
 use bracketry_lie::{AnalysisOptions, Answer, analyze_affine};
@@ -96,7 +97,7 @@ fn nonzero() -> impl Strategy<Value = i64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(10))]
+    #![proptest_config(cases(4))]
 
     /// Predator and prey: p x − a log x + q y − b log y is constant. With c x² more, prey limits itself, and the equilibrium attracts
     /// or repels.

@@ -33,6 +33,7 @@ mod stabilizable;
 mod stlc;
 mod stop_flag;
 mod switching;
+mod tier;
 mod transform;
 mod transform_parts;
 mod trim;

@@ -1,6 +1,7 @@
 //! Functions that are said not to return to their value at the point: looked at where it would show.
 
 use crate::common::system;
+use crate::tier::cases;
 use bracketry_lie::reason::{Monotone, StabilizableReason};
 use bracketry_lie::{AnalysisOptions, analyze_affine};
 use bracketry_symbolic::{Function, Tape};
@@ -38,7 +39,7 @@ fn value_and_rate(function: &Function, rates: &[String], at: &[f64]) -> (f64, f6
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(cases(6))]
 
     #[test]
     fn functions_do_not_return(

@@ -1,6 +1,7 @@
 //! Systems with several inputs that second-order forms keep from small-time local controllability, with known answers.
 
 use crate::common::system;
+use crate::tier::cases;
 use bracketry_lie::controllability::Verdict;
 use bracketry_lie::{AnalysisOptions, analyze_affine};
 use proptest::prelude::*;
@@ -22,7 +23,7 @@ fn a_square_among_two_forms() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(cases(4))]
 
     /// z' + k w' + … = (p x + q y)² (1 + c x) for a combination that the coordinates hide: Z = z + a w, W = w + b Z + d x².
     #[test]
