@@ -35,6 +35,54 @@ pub(crate) fn hide(system: &mut System, how: Hide, random: &mut Random) {
     permute(system, random);
 }
 
+/// Irrational numbers, of the kinds that models have.
+fn irrational(random: &mut Random) -> String {
+    let (n, d) = (random.between(2, 60), random.between(2, 9));
+    match random.below(8) {
+        0 => format!("sqrt({n})"),
+        1 => format!("(sqrt({n}) + sqrt({d}))"),
+        2 => format!("sqrt({n}/{d})"),
+        3 => format!("exp(1/{d})"),
+        4 => format!("cos(1/{d})"),
+        5 => format!("(2 + sin({n}/{d}))"),
+        6 => format!("log({n})"),
+        _ => format!("(1 + atan(1/{d}))"),
+    }
+}
+
+/// Linear coordinate changes with irrational coefficients: x_i becomes c x_i, or x_i + c x_j, or two states are rotated.
+pub(crate) fn hide_by_irrational_numbers(system: &mut System, random: &mut Random) {
+    for _ in 0..random.between(1, 2) {
+        let n = system.states.len();
+        let i = random.below(n);
+        let j = (i + 1 + random.below((n - 1).max(1))) % n;
+        let c = irrational(random);
+        // The new states, and the old ones in terms of the new.
+        let [x, y] = [i, j].map(|k| system.state_names()[k].clone());
+        let angle = format!("{}/{}", random.between(1, 5), random.between(2, 7));
+        let [new, old] = match random.below(3) {
+            _ if n == 1 => [[format!("{c}*{x}"), y.clone()], [format!("{x}/{c}"), y.clone()]],
+            0 => [[format!("{c}*{x}"), y.clone()], [format!("{x}/{c}"), y.clone()]],
+            1 => [[format!("{x} + {c}*{y}"), y.clone()], [format!("{x} - {c}*{y}"), y.clone()]],
+            _ => [1, -1].map(|sign| {
+                let (c, s) = (format!("cos({angle})"), format!("({sign})*sin({angle})"));
+                [format!("{c}*{x} + {s}*{y}"), format!("{c}*{y} - {s}*{x}")]
+            }),
+        };
+        let pool = &mut system.pool;
+        let mut parsed = |texts: [String; 2]| texts.map(|t| pool.parse(&t).expect("a change that the program writes"));
+        let (new, old) = (parsed(new), parsed(old));
+        let rates = new.map(|e| pool.lie_derivative(e, &system.states, &system.dynamics));
+        system.dynamics[i] = rates[0];
+        let mut pairs = vec![(pool.sym(system.states[i]), old[0])];
+        if i != j {
+            system.dynamics[j] = rates[1];
+            pairs.push((pool.sym(system.states[j]), old[1]));
+        }
+        replace(system, &pairs);
+    }
+}
+
 /// A function of these names that vanishes at the origin.
 fn function(names: &[String], linear: bool, random: &mut Random) -> String {
     let c = random.coefficient();

@@ -44,16 +44,33 @@ struct Asked {
     seconds: u64,
     /// Whether unknown answers are printed, too.
     unknown: bool,
+    /// Whether coordinates change by irrational numbers, too.
+    irrational: bool,
 }
 
-const HELP: &str = "options: --count N  --first N  --seed N  --threads N  --class NAME  --seconds N  --unknown";
+const HELP: &str =
+    "options: --count N  --first N  --seed N  --threads N  --class NAME  --seconds N  --unknown  --irrational";
 
 fn read() -> Result<Asked, String> {
-    let mut asked = Asked { seed: 1, first: 0, count: 500, threads: 1, class: None, seconds: 60, unknown: false };
+    let mut asked = Asked {
+        seed: 1,
+        first: 0,
+        count: 500,
+        threads: 1,
+        class: None,
+        seconds: 60,
+        unknown: false,
+        irrational: false,
+    };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        if word == "--unknown" {
-            asked.unknown = true;
+        let flag = match word.as_str() {
+            "--unknown" => Some(&mut asked.unknown),
+            "--irrational" => Some(&mut asked.irrational),
+            _ => None,
+        };
+        if let Some(flag) = flag {
+            *flag = true;
             continue;
         }
         let value = words.next().ok_or(HELP)?;
@@ -75,11 +92,14 @@ fn read() -> Result<Asked, String> {
 }
 
 /// System number `index`, hidden, as a model file.
-fn system(seed: u64, index: usize, class: Class) -> (Model, String) {
-    let mut random = Random::new(seed, index as u64);
+fn system(asked: &Asked, index: usize, class: Class) -> (Model, String) {
+    let mut random = Random::new(asked.seed, index as u64);
     let (model, how) = class(&mut random);
     let mut hidden = model.system();
     hide::hide(&mut hidden, how, &mut random);
+    if asked.irrational {
+        hide::hide_by_irrational_numbers(&mut hidden, &mut random);
+    }
     let text = hidden.to_toml().expect("a model that can be written");
     (model, text)
 }
@@ -107,7 +127,7 @@ fn trial(asked: &Asked, index: usize, tally: &Mutex<Tally>) {
         Some(name) => *CLASSES.iter().find(|c| c.0 == name).expect("a class"),
         None => CLASSES[index % CLASSES.len()],
     };
-    let (model, text) = system(asked.seed, index, class);
+    let (model, text) = system(asked, index, class);
     let start = Instant::now();
     let found = report(&text, asked.seconds);
     let seconds = start.elapsed().as_secs_f64();
