@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use bracketry_symbolic::{Rational, StopFlag};
+use bracketry_symbolic::{Limit, Rational, StopFlag};
 use bracketry_system::System;
 
 use crate::certificate::{Certificate, Claim, Conclusion};
@@ -14,7 +14,6 @@ use crate::passivity::storage;
 use crate::reason::CertificateReason;
 use crate::region::region;
 use crate::report::{Certification, Conserved, Finding, Proof};
-use bracketry_symbolic::Limit;
 
 /// What is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

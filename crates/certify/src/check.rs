@@ -1,11 +1,11 @@
 //! A certificate from elsewhere against a model.
 
+use bracketry_symbolic::Limit;
 use bracketry_system::System;
 
 use crate::certificate::{Certificate, Claim, Conclusion, Flaw};
 use crate::model::PolynomialModel;
 use crate::reason::CertificateReason;
-use bracketry_symbolic::Limit;
 
 /// Why a certificate proves nothing of a model.
 #[derive(Clone, Debug, PartialEq)]

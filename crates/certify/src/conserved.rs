@@ -3,14 +3,13 @@
 use bracketry_lie::Evidence;
 use bracketry_lie::algebra::integrals;
 use bracketry_lie::linear::{MultivariatePolynomial, RationalMatrix};
-use bracketry_symbolic::{Bindings, Echelon, Expr, Function, Rational};
+use bracketry_symbolic::{Bindings, Echelon, Expr, Function, Limit, Rational};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use crate::certificate::{Certificate, Claim};
 use crate::model::{PolynomialModel, rate};
 use crate::monomials::{Monomial, degree, monomials};
-use bracketry_symbolic::Limit;
 
 /// Most unknown coefficients.
 const MAX_UNKNOWNS: usize = 300;

@@ -1,7 +1,7 @@
 //! Levels c of a function V below which it falls.
 
 use bracketry_lie::linear::MultivariatePolynomial;
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{Limit, Rational};
 
 use crate::certificate::{Certificate, Claim, on_sublevel_set};
 use crate::gram::Gram;
@@ -11,7 +11,6 @@ use crate::model::PolynomialModel;
 use crate::monomials::monomials;
 use crate::sum_of_squares::decimals::rounded;
 use crate::sum_of_squares::program::{AffinePolynomial, Program, Unsolved};
-use bracketry_symbolic::Limit;
 
 /// Halvings of the interval of levels.
 const HALVINGS: usize = 10;

@@ -1,7 +1,7 @@
 //! Global Lyapunov functions.
 
 use bracketry_lie::linear::MultivariatePolynomial;
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{Limit, Rational};
 
 use crate::certificate::{Certificate, Claim, Conclusion};
 use crate::linearization::{eigenvalues, lengths, lyapunov_of, negative};
@@ -9,7 +9,6 @@ use crate::model::PolynomialModel;
 use crate::monomials::{Monomial, degree, monomials};
 use crate::reason::CertificateReason;
 use crate::sum_of_squares::program::{AffinePolynomial, Constraint, MAX_UNKNOWNS, Margin, Program, Unsolved};
-use bracketry_symbolic::Limit;
 
 /// The monomials that V is sought of: quadratic, with products of squares, all; as far as a program may have that many unknowns.
 fn templates(n: usize, largest: u32) -> Vec<Vec<Monomial>> {

@@ -1,12 +1,11 @@
 //! A model as polynomials in the deviations from an equilibrium.
 
 use bracketry_lie::linear::MultivariatePolynomial;
-use bracketry_symbolic::{Expr, Function, Names, ParseError, Pool, Rational, Symbol, closest_name};
+use bracketry_symbolic::{Expr, Function, Limit, Names, ParseError, Pool, Rational, Symbol, closest_name};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use crate::reason::CertificateReason;
-use bracketry_symbolic::Limit;
 
 /// x' = f(x) + Σ u_j g_j(x), y = h(x), in deviations from an equilibrium, with rational coefficients.
 #[derive(Clone, Debug, PartialEq)]

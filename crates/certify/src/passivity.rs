@@ -1,6 +1,7 @@
 //! Storage functions of passive systems.
 
 use bracketry_lie::linear::MultivariatePolynomial;
+use bracketry_symbolic::Limit;
 
 use crate::certificate::{Certificate, Claim};
 use crate::gram::Gram;
@@ -10,7 +11,6 @@ use crate::model::{PolynomialModel, rate};
 use crate::monomials::monomials;
 use crate::reason::CertificateReason;
 use crate::sum_of_squares::program::{AffinePolynomial, MAX_UNKNOWNS, Program, Unsolved};
-use bracketry_symbolic::Limit;
 
 /// A storage function of degree at most `largest` for the inputs and outputs in their order: S ≥ 0, ∇S·f ≤ 0, ∇S·g = h (Hill and
 /// Moylan, IEEE Trans. Autom. Control 21 (1976) 708–711).

@@ -1,5 +1,7 @@
 //! Regions of attraction as sublevel sets of a Lyapunov function.
 
+use bracketry_symbolic::Limit;
+
 use crate::certificate::{Certificate, Conclusion};
 use crate::levels::{Levels, first_rise, size};
 use crate::linearization::{eigenvalues, lengths, lyapunov_of, quadratic};
@@ -7,7 +9,6 @@ use crate::lyapunov::global;
 use crate::model::PolynomialModel;
 use crate::reason::CertificateReason;
 use crate::series::truncated;
-use bracketry_symbolic::Limit;
 
 /// Largest level that is tried where no point with V' ≥ 0 is found, over that of the unit ball.
 const LARGEST: f64 = 1e6;

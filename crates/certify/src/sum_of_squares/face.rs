@@ -4,7 +4,7 @@
 //! recognized from the numerical solution, in rational numbers; on the orthogonal complement the matrices are regular again.
 
 use bracketry_lie::linear::RationalMatrix;
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{Limit, Rational};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::gram::Gram;
@@ -12,7 +12,6 @@ use crate::monomials::product;
 use crate::sum_of_squares::decimals::rounded;
 use crate::sum_of_squares::numeric::{Numeric, rows};
 use crate::sum_of_squares::program::{Constraint, Program};
-use bracketry_symbolic::Limit;
 
 /// Eigenvalues below this, relative to the largest, are taken for zero: the first that gives an exact solution.
 const ZERO: [f64; 3] = [1e-5, 1e-4, 1e-3];

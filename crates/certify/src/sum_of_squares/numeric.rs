@@ -1,5 +1,6 @@
 //! The semidefinite program of a program of sums of squares.
 
+use bracketry_symbolic::Limit;
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
@@ -7,7 +8,6 @@ use nalgebra::{DMatrix, DVector};
 use crate::monomials::{Monomial, product};
 use crate::semidefinite::{Block, Problem};
 use crate::sum_of_squares::program::{AffinePolynomial, Constraint, Margin, Program, Unsolved};
-use bracketry_symbolic::Limit;
 
 /// A numerical solution with the largest margin.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! From a numerical solution to an exact one.
 
 use bracketry_lie::linear::MultivariatePolynomial;
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{Limit, Rational};
 use nalgebra::DMatrix;
 
 use crate::gram::Gram;
@@ -10,7 +10,6 @@ use crate::sum_of_squares::decimals::rounded;
 use crate::sum_of_squares::face::on_face;
 use crate::sum_of_squares::numeric::{Numeric, rows};
 use crate::sum_of_squares::program::{Constraint, Program, Unsolved};
-use bracketry_symbolic::Limit;
 
 /// A solution in exact arithmetic.
 #[derive(Clone, Debug)]
