@@ -28,9 +28,15 @@ enum Rule {
 }
 
 impl<const C: u64> Lowering<'_, C> {
-    /// Derivatives of `registers` at the trial point of number `i`; `None` where a value or a rule is missing.
-    pub(super) fn derivatives(&self, registers: &[Reg], i: usize) -> Vec<Option<Residue<C>>> {
+    /// Derivatives of `registers` at up to `most` of the trial points, at which all of them exist.
+    pub(super) fn derivatives(&self, registers: &[Reg], most: usize) -> Vec<Vec<Residue<C>>> {
         let rules = self.rules();
+        let all = self.trials(registers, usize::MAX).into_iter();
+        all.filter_map(|i| self.derivatives_at(&rules, registers, i).into_iter().collect()).take(most).collect()
+    }
+
+    /// At the trial point of number `i`; `None` where a value or a rule is missing.
+    fn derivatives_at(&self, rules: &FxHashMap<Reg, Rule>, registers: &[Reg], i: usize) -> Vec<Option<Residue<C>>> {
         let mut rng = Random::new(i as u64 + 1);
         let last = registers.iter().copied().max().map_or(0, |r| r + 1);
         let mut known: Vec<Option<Residue<C>>> = Vec::with_capacity(last);

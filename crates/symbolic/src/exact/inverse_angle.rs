@@ -108,9 +108,7 @@ impl<const C: u64> Lowering<'_, C> {
         let mut angles: Vec<Reg> = self.circle.basis.iter().map(|a| a.value).collect();
         angles.push(value);
         let needed = angles.len() + SPARE;
-        let all = self.trials(&angles, usize::MAX);
-        let rows: Vec<Vec<Residue<C>>> =
-            all.into_iter().filter_map(|i| self.derivatives(&angles, i).into_iter().collect()).take(needed).collect();
+        let rows = self.derivatives(&angles, needed);
         if rows.len() < needed {
             return Err(self.few_trials(
                 e,
