@@ -3,6 +3,7 @@
 pub(crate) mod annihilator;
 pub(crate) mod antiderivative;
 pub(crate) mod closure;
+pub(crate) mod combination;
 pub(crate) mod constant_span;
 pub(crate) mod field;
 pub(crate) mod hall;

@@ -3,6 +3,7 @@
 use bracketry_symbolic::{Expr, Function, Node, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
+use crate::algebra::combination::{combination, symbols};
 use crate::algebra::field::Field;
 use crate::algebra::integrals::search::integrals;
 use crate::algebra::rational::readable::tidy;
@@ -36,8 +37,12 @@ pub(crate) fn half_space_of_modes(
     }
     let one_sided = sides.iter().any(Option::is_some);
     let linear = covectors(pool, modes, evidence)?;
-    let linear: Vec<(Expr, Option<&[Expr]>)> =
-        linear.iter().map(|c| (combination(pool, &first.fields.states, c), Some(&c[..]))).collect();
+    let states = symbols(pool, &first.fields.states);
+    let mut as_function = |c: &[Expr]| {
+        let sum = combination(pool, &states, c);
+        pool.simplify(sum)
+    };
+    let linear: Vec<(Expr, Option<&[Expr]>)> = linear.iter().map(|c| (as_function(c), Some(&c[..]))).collect();
     let integrals = integrals_of_all(pool, modes, evidence)?;
     for (function, covector) in linear.into_iter().chain(integrals.into_iter().map(|f| (f, None))) {
         if let Some(limit) = pool.reached_limit() {
@@ -59,17 +64,6 @@ pub(crate) fn half_space_of_modes(
         }
     }
     Ok(None)
-}
-
-/// Σ λ_i x_i.
-fn combination(pool: &mut Pool, states: &[Symbol], covector: &[Expr]) -> Expr {
-    let mut terms = Vec::new();
-    for (&s, &c) in states.iter().zip(covector) {
-        let s = pool.sym(s);
-        terms.push(pool.mul(c, s));
-    }
-    let sum = pool.sum(terms);
-    pool.simplify(sum)
 }
 
 /// Functions with nonzero gradient at the point that are constant along all input fields of all modes, and not linear.

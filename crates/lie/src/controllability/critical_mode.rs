@@ -2,6 +2,7 @@
 
 use bracketry_symbolic::{Expr, Function, Pool, Rational, Symbol};
 
+use crate::algebra::combination::{rational_combination, symbols};
 use crate::algebra::rational::readable::tidy;
 use crate::controllability::descent::Curve;
 use crate::controllability::linearization::{quotient_by_reachable, rational_matrices};
@@ -57,8 +58,10 @@ fn by_slow_mode(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
     let found = SlowEquilibria::of(&field, m, degree)?;
     let curves = [1, -1].map(|sign| Curve::of(&found.rate, sign, degree, &Rational::ONE));
     let [Some(above), Some(below)] = curves else { return None };
-    let states = frame.fields.states.clone();
-    let function = combination(pool, &states, &found.mode);
+    let states = symbols(pool, &frame.fields.states);
+    let mode = rational_combination(pool, &states, &found.mode);
+    let mode = pool.simplify(mode);
+    let function = Function::new(pool, mode);
     Some(StabilizableReason::CriticalMode { function, orders: [above.order, below.order] })
 }
 
@@ -127,17 +130,5 @@ fn polynomial(
     degree: u32,
 ) -> Option<MultivariatePolynomial> {
     let e = frame.constants_in(pool, e);
-    MultivariatePolynomial::of(pool, e, variables)
-        .or_else(|| MultivariatePolynomial::taylor(pool, e, variables, degree as usize))
-}
-
-fn combination(pool: &mut Pool, states: &[Symbol], coefficients: &[Rational]) -> Function {
-    let mut sum = pool.int(0);
-    for (&s, c) in states.iter().zip(coefficients) {
-        let (s, c) = (pool.sym(s), pool.rational(c.clone()));
-        let term = pool.mul(c, s);
-        sum = pool.add(sum, term);
-    }
-    let sum = pool.simplify(sum);
-    Function::new(pool, sum)
+    MultivariatePolynomial::of_or_taylor(pool, e, variables, degree as usize)
 }

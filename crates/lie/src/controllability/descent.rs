@@ -2,7 +2,7 @@
 
 use bracketry_symbolic::{Rational, UnivariatePolynomial};
 
-use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::polynomial::{MultivariatePolynomial, unit};
 
 /// v_k = κ t^α, or that added to whole powers of t below, and the other parameters 0: a function of (t, v) is negative there for
 /// small t > 0.
@@ -56,9 +56,8 @@ impl Curve {
         }
         // Where leading terms cancel, later ones decide.
         cancel.into_iter().filter(|_| shifts > 0).find_map(|(k, power, x)| {
-            let unit = |i: usize| (0..variables).map(|j| u32::from(i == j)).collect::<Vec<_>>();
             let mut values: Vec<_> =
-                (0..variables).map(|i| MultivariatePolynomial::term(Rational::ONE, unit(i))).collect();
+                (0..variables).map(|i| MultivariatePolynomial::term(Rational::ONE, unit(variables, i))).collect();
             values[k].add_term((0..variables).map(|j| if j == 0 { power } else { 0 }).collect(), x);
             Self::below(&b.composed(&values, variables, degree), degree, least, shifts - 1)
         })

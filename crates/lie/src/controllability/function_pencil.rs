@@ -3,6 +3,7 @@
 use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
+use crate::algebra::combination::rational_combination;
 use crate::algebra::rational::readable::tidy;
 use crate::controllability::local_accessibility::Frame;
 use crate::linear::matrix::RationalMatrix;
@@ -57,12 +58,7 @@ pub(crate) fn combinations(pool: &mut Pool, frame: &Frame, functions: &[Expr]) -
         if lambda.iter().filter(|x| **x != Rational::ZERO).count() < 2 {
             continue;
         }
-        let mut sum = pool.int(0);
-        for (&f, c) in used.iter().zip(lambda) {
-            let c = pool.rational(c);
-            let term = pool.mul(c, f);
-            sum = pool.add(sum, term);
-        }
+        let sum = rational_combination(pool, &used, &lambda);
         found.push(tidy(pool, sum));
     }
     found
@@ -80,6 +76,5 @@ fn second_order(
     let rate = tidy(pool, rate);
     let rate = pool.substitute(rate, offsets);
     let rate = frame.constants_in(pool, rate);
-    MultivariatePolynomial::of(pool, rate, variables)
-        .or_else(|| MultivariatePolynomial::taylor(pool, rate, variables, 2))
+    MultivariatePolynomial::of_or_taylor(pool, rate, variables, 2)
 }

@@ -3,6 +3,7 @@
 use bracketry_symbolic::{Echelon, Expr, Function, Pool, Rational};
 use rustc_hash::FxHashMap;
 
+use crate::algebra::combination::{combination, rational_combination, symbols};
 use crate::algebra::span::vanishes;
 use crate::controllability::linearization::{quotient_by_reachable, rational_matrices};
 use crate::controllability::local_accessibility::Frame;
@@ -39,13 +40,13 @@ pub(crate) fn growing_form(pool: &mut Pool, frame: &Frame) -> Option<Stabilizabl
         let y = pool.sym(variables[place]);
         let rest: Vec<Rational> =
             (0..n).map(|x| if places.contains(&x) { Rational::ZERO } else { -w[x].clone() }).collect();
-        let others: Vec<Expr> = variables.iter().map(|&x| pool.sym(x)).collect();
-        let others = combination(pool, &others, &rest);
+        let others = symbols(pool, &variables);
+        let others = rational_combination(pool, &others, &rest);
         straight.insert(y, pool.add(y, others));
     }
     let modal: Vec<Expr> = places.iter().map(|&place| pool.sym(variables[place])).collect();
     let moved = |pool: &mut Pool, field: &[Expr], w: &[Rational]| {
-        let sum = combination(pool, field, w);
+        let sum = rational_combination(pool, field, w);
         let sum = pool.substitute(sum, &offsets);
         pool.substitute(sum, &straight)
     };
@@ -62,13 +63,7 @@ pub(crate) fn growing_form(pool: &mut Pool, frame: &Frame) -> Option<Stabilizabl
             return None;
         }
         // V' = 2 yᵀ P y'.
-        let mut rate = pool.int(0);
-        for (row, &y) in p.rows().iter().zip(&modal) {
-            let pulled = combination(pool, &rates, row);
-            let term = pool.mul(y, pulled);
-            rate = pool.add(rate, term);
-        }
-        let rate = pool.expand(rate);
+        let rate = bilinear(pool, &modal, &p, &rates);
         let sign = near.sign(pool, rate);
         let opposite =
             RationalMatrix::new(p.rows().iter().map(|r| r.iter().map(|x| -x.clone()).collect()).collect(), k);
@@ -81,29 +76,19 @@ pub(crate) fn growing_form(pool: &mut Pool, frame: &Frame) -> Option<Stabilizabl
                     pool.sub(x, frame.point()[i])
                 })
                 .collect();
-            let y: Vec<Expr> = modes.iter().map(|w| combination(pool, &deviations, w)).collect();
-            let mut value = pool.int(0);
-            for (row, &y_i) in p.rows().iter().zip(&y) {
-                let pulled = combination(pool, &y, row);
-                let term = pool.mul(y_i, pulled);
-                value = pool.add(value, term);
-            }
-            let value = pool.expand(value);
+            let y: Vec<Expr> = modes.iter().map(|w| rational_combination(pool, &deviations, w)).collect();
+            let value = bilinear(pool, &y, p, &y);
             return Some(StabilizableReason::Grows { function: Function::new(pool, value) });
         }
     }
     None
 }
 
-/// Σ c_i e_i.
-fn combination(pool: &mut Pool, list: &[Expr], coefficients: &[Rational]) -> Expr {
-    let mut sum = pool.int(0);
-    for (&e, c) in list.iter().zip(coefficients) {
-        let c = pool.rational(c.clone());
-        let term = pool.mul(c, e);
-        sum = pool.add(sum, term);
-    }
-    sum
+/// yᵀ P z, expanded.
+fn bilinear(pool: &mut Pool, y: &[Expr], p: &RationalMatrix, z: &[Expr]) -> Expr {
+    let pulled: Vec<Expr> = p.rows().iter().map(|row| rational_combination(pool, z, row)).collect();
+    let form = combination(pool, y, &pulled);
+    pool.expand(form)
 }
 
 /// A basis of the symmetric P with QᵀP + P Q = 0, a P with QᵀP + P Q = 1, and others for which that is semidefinite.

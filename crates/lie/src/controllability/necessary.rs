@@ -1,8 +1,9 @@
 //! Necessary conditions for small-time local controllability; each holds for every bound on the inputs.
 
-use bracketry_symbolic::{Expr, Function, Pool, Symbol};
+use bracketry_symbolic::{Expr, Function, Pool};
 use nalgebra::{DMatrix, DVector};
 
+use crate::algebra::combination::{combination, symbols};
 use crate::algebra::constant_span::Words;
 use crate::algebra::field::{Field, bracket};
 use crate::algebra::involutive::involutive_closure;
@@ -104,15 +105,15 @@ pub(crate) fn half_space(
     extent: Extent,
     evidence: &mut Evidence,
 ) -> Result<Option<StlcReason>, Undecided> {
-    let states = frame.fields.states.clone();
+    let states = symbols(pool, &frame.fields.states);
     let (variables, offsets) = frame.deviations(pool);
+    let deviations = symbols(pool, &variables);
     let near = NearOrigin { frame, variables: variables.clone(), everywhere: extent.everywhere };
     for covector in covectors(pool, frame, sides, evidence)? {
-        let deviation = combination(pool, &variables, &covector);
+        let deviation = combination(pool, &deviations, &covector);
         let Some(in_region) = extent.region.coordinates(pool, deviation, &variables) else { continue };
         let along = |pool: &mut Pool, field: &Field| {
-            let terms: Vec<Expr> = field.iter().zip(&covector).map(|(&e, &c)| pool.mul(c, e)).collect();
-            let sum = pool.sum(terms);
+            let sum = combination(pool, field, &covector);
             let sum = pool.substitute(sum, &offsets);
             pool.substitute(sum, &in_region)
         };
@@ -157,16 +158,6 @@ pub(crate) fn half_space(
         }
     }
     Ok(None)
-}
-
-/// Σ c_i x_i.
-fn combination(pool: &mut Pool, variables: &[Symbol], coefficients: &[Expr]) -> Expr {
-    let term = |(&x, &c): (&Symbol, &Expr)| {
-        let x = pool.sym(x);
-        pool.mul(c, x)
-    };
-    let terms: Vec<Expr> = variables.iter().zip(coefficients).map(term).collect();
-    pool.sum(terms)
 }
 
 /// Seed of the points at which constant covectors are sought; largest numerator and denominator in them.

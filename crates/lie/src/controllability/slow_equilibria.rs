@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Echelon, Rational};
 
 use crate::linear::matrix::RationalMatrix;
-use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::polynomial::{MultivariatePolynomial, unit};
 
 /// s' = β(s, v) at the states X(s, v) with inputs U(s, v) where F(X, U) = β e with a constant vector e: a critical mode s = w·x
 /// that the linearization of x' = F(x, u) at the origin leaves at rest, and free parameters v, one for each input.
@@ -20,9 +20,8 @@ impl SlowEquilibria {
     /// theorem).
     pub(crate) fn of(field: &[MultivariatePolynomial], inputs: usize, degree: u32) -> Option<Self> {
         let n = field.len();
-        let unit = |k: usize| (0..n + inputs).map(|i| u32::from(i == k)).collect::<Vec<u32>>();
         let linear: Vec<Vec<Rational>> =
-            field.iter().map(|f| (0..n + inputs).map(|k| f.coefficient(&unit(k))).collect()).collect();
+            field.iter().map(|f| (0..n + inputs).map(|k| f.coefficient(&unit(n + inputs, k))).collect()).collect();
         let linear = RationalMatrix::new(linear, n + inputs);
         let [mode] = &linear.transposed().null_space()[..] else { return None };
         let left_out = mode.iter().position(|c| *c != Rational::ZERO)?;
@@ -37,14 +36,13 @@ impl SlowEquilibria {
         let square = equations.rows().iter().map(|r| pivots.iter().map(|&p| r[p].clone()).collect()).collect();
         let inverse = RationalMatrix::new(square, n).inverse()?;
         let variables = 1 + inputs;
-        let variable = |k: usize| (0..variables).map(|i| u32::from(i == k)).collect::<Vec<u32>>();
         let mut motion = vec![MultivariatePolynomial::default(); n + inputs];
         for (&p, row) in pivots.iter().zip(inverse.rows()) {
-            motion[p].add_term(variable(0), row[left_out].clone());
+            motion[p].add_term(unit(variables, 0), row[left_out].clone());
         }
         for (k, v) in equations.null_space().into_iter().enumerate() {
             for (x, c) in motion.iter_mut().zip(v) {
-                x.add_term(variable(1 + k), c);
+                x.add_term(unit(variables, 1 + k), c);
             }
         }
         let mut rate = MultivariatePolynomial::default();

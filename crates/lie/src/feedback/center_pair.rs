@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Echelon, Rational};
 
 use crate::linear::matrix::RationalMatrix;
-use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::polynomial::{MultivariatePolynomial, unit};
 
 /// Most unknowns in the equations for the terms of one degree.
 const MAX_UNKNOWNS: usize = 120;
@@ -255,10 +255,6 @@ impl<'a> CenterPair<'a> {
 
 /// A polynomial for each state and input.
 type Forms = Vec<MultivariatePolynomial>;
-
-fn unit(size: usize, k: usize) -> Vec<u32> {
-    (0..size).map(|i| u32::from(i == k)).collect()
-}
 
 fn combined(list: &[MultivariatePolynomial], c: &[Rational]) -> MultivariatePolynomial {
     list.iter().zip(c).fold(MultivariatePolynomial::default(), |sum, (p, c)| sum.plus(p, c))

@@ -10,7 +10,7 @@ use crate::feedback::logarithmic_integral::logarithmic_integrals;
 use crate::feedback::lyapunov::{PolynomialField, Shown};
 use crate::feedback::zero_dynamics::Set;
 use crate::linear::matrix::{RationalMatrix, semidefinite};
-use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::polynomial::{MultivariatePolynomial, unit};
 use crate::linear::spectrum::squared_frequency;
 use crate::reason::MinimumPhaseReason;
 
@@ -51,8 +51,7 @@ impl Critical<'_> {
         }
         if self.on_axis == 2 && field.len() <= MAX_COORDINATES {
             let n = field.len();
-            let unit = |k: usize| (0..n).map(|i| u32::from(i == k)).collect::<Vec<_>>();
-            let rows = field.iter().map(|f| (0..n).map(|k| f.coefficient(&unit(k))).collect()).collect();
+            let rows = field.iter().map(|f| (0..n).map(|k| f.coefficient(&unit(n, k))).collect()).collect();
             let axis = squared_frequency(&RationalMatrix::new(rows, n).characteristic_polynomial())?;
             let (order, l) = CenterPair::of(field, 0, &axis)?.focal_value(ORDER as u32)?;
             let falls = l < Rational::ZERO;

@@ -3,7 +3,7 @@
 use bracketry_symbolic::Rational;
 
 use crate::linear::matrix::semidefinite;
-use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::polynomial::{MultivariatePolynomial, unit};
 use crate::linear::program::{Optimum, Program};
 
 /// Most terms of a polynomial, and most even ones among them with the sign in question.
@@ -59,12 +59,12 @@ impl MultivariatePolynomial {
             for _ in 0..MAX_COMPLETIONS {
                 let square = p.coefficient(&(0..n).map(|j| if i == j { 2 } else { 0 }).collect::<Vec<_>>());
                 // A linear term would move the origin.
-                let linear = p.coefficient(&(0..n).map(|j| u32::from(i == j)).collect::<Vec<_>>()) != Rational::ZERO;
+                let linear = p.coefficient(&unit(n, i)) != Rational::ZERO;
                 if linear || square <= Rational::ZERO || !p.terms().any(|(m, _)| m[i] == 1) {
                     break;
                 }
                 let twice = Rational::from(2) * square;
-                let mut shifted = Self::term(Rational::ONE, (0..n).map(|j| u32::from(i == j)).collect());
+                let mut shifted = Self::term(Rational::ONE, unit(n, i));
                 for (m, c) in p.terms().filter(|(m, _)| m[i] == 1) {
                     let rest = m.iter().enumerate().map(|(j, k)| if i == j { 0 } else { *k }).collect();
                     shifted.add_term(rest, -c / &twice);
@@ -208,7 +208,7 @@ mod tests {
         /// A sum of squares, less its value at the origin, is negative on one side of the origin if it has linear terms.
         #[test]
         fn linear_terms_have_both_signs(entries in prop::collection::vec(-2i64..3, 30)) {
-            let variables: Vec<Vec<u32>> = (0..3).map(|i| (0..3).map(|j| u32::from(i == j)).collect()).collect();
+            let variables: Vec<Vec<u32>> = (0..3).map(|i| unit(3, i)).collect();
             let squares: Vec<Vec<u32>> = variables.iter().map(|m| m.iter().map(|k| 2 * k).collect()).collect();
             let monomials: Vec<Vec<u32>> = [vec![vec![0; 3]], variables.clone(), squares].concat();
             let mut sum = MultivariatePolynomial::default();

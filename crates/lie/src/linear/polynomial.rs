@@ -31,6 +31,11 @@ impl<'de> Deserialize<'de> for MultivariatePolynomial {
     }
 }
 
+/// The exponents of the variable of number k among n.
+pub(crate) fn unit(n: usize, k: usize) -> Vec<u32> {
+    (0..n).map(|i| u32::from(i == k)).collect()
+}
+
 /// A polynomial with more terms is given up.
 pub(crate) const MAX_TERMS: usize = 300;
 

@@ -11,6 +11,11 @@ const MAX_VARIABLES: usize = 6;
 const MAX_TREE: f64 = 500.0;
 
 impl MultivariatePolynomial {
+    /// `e` as a polynomial in the symbols, or else its [Taylor polynomial](Self::taylor) of a degree.
+    pub(crate) fn of_or_taylor(pool: &mut Pool, e: Expr, symbols: &[Symbol], degree: usize) -> Option<Self> {
+        Self::of(pool, e, symbols).or_else(|| Self::taylor(pool, e, symbols, degree))
+    }
+
     /// The Taylor polynomial at the origin of the symbols, up to a degree; `None` if the function is not seen to be analytic there
     /// or a derivative not to be rational, and where a limit is reached.
     pub(crate) fn taylor(pool: &mut Pool, e: Expr, symbols: &[Symbol], degree: usize) -> Option<Self> {
