@@ -1,6 +1,7 @@
 //! Operating points, and the linear system around one.
 
 pub(crate) mod confirm;
+mod elimination;
 pub(crate) mod equations;
 pub(crate) mod gains;
 pub(crate) mod linear_model;

@@ -8,6 +8,7 @@ use nalgebra::DVector;
 use serde::Serialize;
 
 use crate::operating::confirm::confirmed;
+use crate::operating::elimination::combinations;
 use crate::operating::equations::Equations;
 use crate::operating::solver::{Found, is_one_of_a_set, nearest, solve};
 
@@ -176,8 +177,9 @@ pub enum TrimError {
 /// A point nearer to a solution than this, relative to its size, differs from it by rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Distance, relative to its size, from a point within which all equations vanish at a solution.
-const CLEAR: f64 = 1e-7;
+/// Distances, relative to its size, from a point within which all equations vanish at a solution: a multiple one is found to lower
+/// accuracy.
+const CLEAR: [f64; 3] = [1e-7, 1e-5, 1e-3];
 
 /// Solutions nearer to each other than this are one.
 const SAME: f64 = 1e-5;
@@ -353,32 +355,46 @@ impl<'a> Search<'a> {
         Trim { status, states, inputs, derivatives, residual: chosen.residual, exact: is_exact, notes, others }
     }
 
-    /// Whether all equations vanish there: each changes its sign within a short step along its gradient, or vanishes exactly, as at
-    /// a multiple solution. What only tends to 0, as e^−x does, has one sign. Where signs are not known, the first-order
-    /// approximation tells.
+    /// Whether all equations vanish there: each, or a [combination](combinations) of them, changes its sign within a short step along its
+    /// gradient, or vanishes exactly, as at a multiple solution. What only tends to 0, as e^−x does, has one sign. Where signs are not
+    /// known, the first-order approximation tells.
     fn is_solution(&mut self, found: &Found) -> bool {
         let (f, slopes) = (self.equations.value(&found.z), self.equations.jacobian(&found.z));
-        let length = CLEAR * (1.0 + found.z.norm());
-        let vanish = (0..self.equations.rows).all(|i| {
-            let (gradient, slope) = (slopes.row(i).transpose(), slopes.row(i).norm());
-            let step = &gradient * (length / slope.max(f64::MIN_POSITIVE));
-            match [&found.z - &step, found.z.clone(), &found.z + &step].map(|z| self.sign(i, &z)) {
-                [_, Some(Ordering::Equal), _] => true,
-                [Some(before), _, Some(after)] => before != after,
-                _ => slope > 0.0 && f[i].abs() <= slope * length,
-            }
+        let vanish = combinations(&slopes).iter().all(|c| {
+            let slope = c.gradient.norm();
+            let combination = self.combination(&c.weights);
+            CLEAR.into_iter().any(|clear| {
+                let length = clear * (1.0 + found.z.norm());
+                let step = &c.gradient * (length / slope.max(f64::MIN_POSITIVE));
+                match [&found.z - &step, found.z.clone(), &found.z + &step].map(|z| self.sign(combination, &z)) {
+                    [_, Some(Ordering::Equal), _] => true,
+                    [Some(before), _, Some(after)] => before != after,
+                    _ => slope > 0.0 && c.weights.dot(&f).abs() <= slope * length,
+                }
+            })
         });
         vanish || self.confirmed(found, 1e-3).is_some()
     }
 
-    /// The sign of an equation; `None` where it is not known.
-    fn sign(&mut self, equation: usize, z: &DVector<f64>) -> Option<Ordering> {
+    /// The equations with these factors as one expression.
+    fn combination(&mut self, weights: &DVector<f64>) -> Expr {
+        let (pool, equations) = &mut self.exact;
+        let mut sum = pool.int(0);
+        for (&weight, &equation) in weights.iter().zip(equations.iter()) {
+            let factor = pool.rational(Rational::try_from(weight).unwrap_or(Rational::ZERO));
+            let term = pool.mul(factor, equation);
+            sum = pool.add(sum, term);
+        }
+        sum
+    }
+
+    /// The sign of an expression of the free variables; `None` where it is not known.
+    fn sign(&mut self, expression: Expr, z: &DVector<f64>) -> Option<Ordering> {
         let mut values = Bindings::new();
         for (&s, &z) in self.free.iter().zip(z.iter()) {
             values.bind(s, Rational::try_from(z).ok()?);
         }
-        let (pool, equations) = &mut self.exact;
-        pool.constant_sign(equations[equation], &values)
+        self.exact.0.constant_sign(expression, &values)
     }
 
     /// Exact values of all variables, in the pool of `exact`.

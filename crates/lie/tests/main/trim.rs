@@ -153,3 +153,24 @@ fn points_at_infinity_are_no_equilibria() {
     assert_eq!((t.status, t.exact), (TrimStatus::Found, true), "{t:?}");
     assert_eq!((exact(&t, "x").as_str(), exact(&t, "y").as_str()), ("3", "7"));
 }
+
+/// Other equations beside one that only tends to zero, with any coefficients, do not make an equilibrium; beside one that has a
+/// zero, they do.
+#[test]
+fn equations_that_hold_elsewhere_do_not_help_one_that_never_holds() {
+    for (rate, possible) in [("exp(y)", false), ("1 - tanh(y)", false), ("1/cosh(y)", false), ("exp(y) - 1/2", true)] {
+        for factor in ["1", "1000", "1/1000", "sqrt(7)"] {
+            for other in ["tanh(x) - tanh(2)", "x^3 - 2", "(x - 1)*(2 + sin(x))"] {
+                let model = format!(
+                    "states = ['x', 'y']\ndynamics = {{ x = '{other}', y = '{factor}*({rate} + log(28)*({other}))' }}\n"
+                );
+                let t = searched(&model, &[], &[], &[]);
+                let expected = if possible { TrimStatus::Found } else { TrimStatus::NotFound };
+                assert_eq!(t.status, expected, "{factor}*({rate}), {other}: {t:?}");
+            }
+        }
+    }
+    // A multiple solution that is no simple constant.
+    let t = searched("states = ['x']\ndynamics = { x = '(x^3 - exp(1/5))^3' }\n", &[], &[], &[]);
+    assert_eq!(t.status, TrimStatus::Found, "{t:?}");
+}
