@@ -5,13 +5,13 @@ use serde_json::json;
 use crate::hide::Hide;
 use crate::model::Model;
 use crate::random::Random;
-use crate::{local, outputs};
+use crate::{equations, local, outputs};
 
 /// Draws a system of a class, and how it may be hidden.
 pub(crate) type Class = fn(&mut Random) -> (Model, Hide);
 
 /// All classes by name.
-pub(crate) const CLASSES: [(&str, Class); 12] = [
+pub(crate) const CLASSES: [(&str, Class); 14] = [
     ("linear", linear),
     ("brunovsky", brunovsky),
     ("autonomous", autonomous),
@@ -24,15 +24,34 @@ pub(crate) const CLASSES: [(&str, Class); 12] = [
     ("stlc", local::stlc),
     ("ranges", local::ranges),
     ("kinks", local::kinks),
+    ("equilibria", equations::equilibria),
+    ("denominators", equations::denominators),
 ];
 
-/// New states w' = A w with known eigenvalues.
-pub(crate) fn block(model: &mut Model, size: usize, random: &mut Random) -> (Vec<usize>, Vec<(f64, f64)>) {
-    let (mut states, mut eigenvalues) = (Vec::new(), Vec::new());
+/// States w' = A w that no input reaches.
+#[derive(Default)]
+pub(crate) struct Block {
+    pub(crate) states: Vec<usize>,
+    /// Real and imaginary parts, each as often as it occurs.
+    pub(crate) eigenvalues: Vec<(f64, f64)>,
+    /// Whether A is not zero.
+    moves: bool,
+}
+
+impl Block {
+    pub(crate) fn decays(&self) -> bool {
+        self.eigenvalues.iter().all(|e| e.0 < 0.0)
+    }
+}
+
+/// New states w' = A w with known eigenvalues, some of them in Jordan blocks.
+pub(crate) fn block(model: &mut Model, size: usize, random: &mut Random) -> Block {
+    let Block { mut states, mut eigenvalues, mut moves } = Block::default();
     while states.len() < size {
         let w = model.state();
         let x = model.name(w);
-        if size - states.len() >= 2 && random.once_in(3) {
+        let kind = if size - states.len() >= 2 { random.below(6) } else { 5 };
+        if kind < 2 {
             let z = model.state();
             let y = model.name(z);
             let (re, im) = (random.of(&[-2, -1, -1, 0, 1]), random.between(1, 3));
@@ -40,21 +59,31 @@ pub(crate) fn block(model: &mut Model, size: usize, random: &mut Random) -> (Vec
             model.rate(z, format!("-{im}*{x} + {re}*{y}"));
             eigenvalues.extend([(f64::from(re), im as f64), (f64::from(re), -(im as f64))]);
             states.extend([w, z]);
-        } else {
-            let (p, q) = (random.of(&[-5, -3, -2, -1, -1, 0, 1, 2]), random.between(1, 3));
-            model.rate(w, format!("({p}/{q})*{x}"));
+            moves = true;
+            continue;
+        }
+        let (p, q) = (random.of(&[-5, -3, -2, -1, -1, 0, 1, 2]), random.between(1, 3));
+        model.rate(w, format!("({p}/{q})*{x}"));
+        eigenvalues.push((f64::from(p) / q as f64, 0.0));
+        states.push(w);
+        moves |= p != 0;
+        if kind == 2 {
+            let z = model.state();
+            let y = model.name(z);
+            model.add(w, &y);
+            model.rate(z, format!("({p}/{q})*{y}"));
             eigenvalues.push((f64::from(p) / q as f64, 0.0));
-            states.push(w);
+            states.push(z);
+            moves = true;
         }
     }
-    (states, eigenvalues)
+    Block { states, eigenvalues, moves }
 }
 
 /// What holds of a controllable part with `reached` states and a linear part that no input influences.
-fn linear_truth(model: &mut Model, reached: usize, eigenvalues: &[(f64, f64)]) {
-    let k = eigenvalues.len();
-    let moves = eigenvalues.iter().any(|e| *e != (0.0, 0.0));
-    let accessible = reached + usize::from(moves);
+fn linear_truth(model: &mut Model, reached: usize, block: &Block) {
+    let k = block.states.len();
+    let accessible = reached + usize::from(block.moves);
     model.is("modes.0.accessible_dimension", accessible);
     model.is("modes.0.strongly_accessible_dimension", reached);
     model.count("modes.0.autonomous", k);
@@ -62,9 +91,9 @@ fn linear_truth(model: &mut Model, reached: usize, eigenvalues: &[(f64, f64)]) {
     model.is("at_point.accessible_dimension", reached);
     model.is("at_point.strongly_accessible_dimension", reached);
     model.is("at_point.linear_controllability_rank", reached);
-    model.spectrum("at_point.uncontrollable_modes", eigenvalues);
-    model.is("at_point.stabilizable", eigenvalues.iter().all(|e| e.0 < 0.0));
-    model.is("at_point.brockett_condition", eigenvalues.iter().all(|e| *e != (0.0, 0.0)));
+    model.spectrum("at_point.uncontrollable_modes", &block.eigenvalues);
+    model.is("at_point.stabilizable", block.decays());
+    model.is("at_point.brockett_condition", block.eigenvalues.iter().all(|e| *e != (0.0, 0.0)));
     model.is("at_point.stlc.verdict", if k == 0 { "yes" } else { "no" });
     model.is("static_feedback_linearizable", k == 0);
     model.is("flatness.verdict", if k == 0 { "yes" } else { "no" });
@@ -86,14 +115,14 @@ fn linear(random: &mut Random) -> (Model, Hide) {
     let mut model = Model::default();
     let (chains, lengths) = chains(&mut model, 3, random);
     let size = random.between(0, 3);
-    let (modes, eigenvalues) = block(&mut model, size, random);
-    for &w in &modes {
+    let modes = block(&mut model, size, random);
+    for &w in &modes.states {
         let (chain, c) = (random.below(chains.len()), random.coefficient());
         let term = format!("{c}*{}", model.name(w));
         let state = random.of(&chains[chain]);
         model.add(state, &term);
     }
-    linear_truth(&mut model, lengths.iter().sum(), &eigenvalues);
+    linear_truth(&mut model, lengths.iter().sum(), &modes);
     (model, random.of(&[Hide::Linear, Hide::Nonlinear]))
 }
 
@@ -101,7 +130,7 @@ fn linear(random: &mut Random) -> (Model, Hide) {
 fn brunovsky(random: &mut Random) -> (Model, Hide) {
     let mut model = Model::default();
     let (_, lengths) = chains(&mut model, 4, random);
-    linear_truth(&mut model, lengths.iter().sum(), &[]);
+    linear_truth(&mut model, lengths.iter().sum(), &Block::default());
     model.is("feedback_linearization.controllability_indices", json!(lengths));
     (model, Hide::Nonlinear)
 }

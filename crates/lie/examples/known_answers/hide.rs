@@ -36,7 +36,7 @@ pub(crate) fn hide(system: &mut System, how: Hide, random: &mut Random) {
 }
 
 /// Irrational numbers, of the kinds that models have.
-fn irrational(random: &mut Random) -> String {
+pub(crate) fn irrational(random: &mut Random) -> String {
     let (n, d) = (random.between(2, 60), random.between(2, 9));
     match random.below(8) {
         0 => format!("sqrt({n})"),
@@ -80,6 +80,39 @@ pub(crate) fn hide_by_irrational_numbers(system: &mut System, random: &mut Rando
             pairs.push((pool.sym(system.states[j]), old[1]));
         }
         replace(system, &pairs);
+    }
+}
+
+/// A function g, its derivative, and points c at which g has irrational values.
+type Beside = (&'static str, &'static str, [&'static str; 3]);
+
+const BESIDE: [Beside; 8] = [
+    ("sqrt(x)", "1/(2*sqrt(x))", ["2", "3/4", "7"]),
+    ("sin(x)", "cos(x)", ["1", "1/3", "-2/5"]),
+    ("exp(x)", "exp(x)", ["1", "1/2", "-1/3"]),
+    ("log(x)", "1/x", ["2", "5/3", "1/2"]),
+    ("atan(x)", "1/(1 + x^2)", ["1/2", "3", "-2/3"]),
+    ("sqrt(1 + x^2)", "x/sqrt(1 + x^2)", ["1/2", "-2", "3/5"]),
+    ("sqrt(x + 2)", "1/(2*sqrt(x + 2))", ["1/2", "5/7", "1"]),
+    ("tanh(x)", "1 - tanh(x)^2", ["1/2", "1", "-2/3"]),
+];
+
+/// A state x becomes z with x = g(z) − g(c): the point lies at z = c, where the rates cancel exactly and not in rounding.
+pub(crate) fn hide_beside_an_irrational_value(system: &mut System, random: &mut Random) {
+    let i = random.below(system.states.len());
+    let name = system.state_names()[i].clone();
+    let (g, derivative, points) = random.of(&BESIDE);
+    let c = random.of(&points);
+    let at = |f: &str, x: &str| f.replace("exp", "E").replace('x', &format!("({x})")).replace('E', "exp");
+    let pool = &mut system.pool;
+    let mut parsed = |text: &str| pool.parse(text).expect("a change that the program writes");
+    let old = parsed(&format!("{} - {}", at(g, &name), at(g, c)));
+    let (slope, c) = (parsed(&at(derivative, &name)), parsed(c));
+    let x = pool.sym(system.states[i]);
+    replace(system, &[(x, old)]);
+    system.dynamics[i] = system.pool.div(system.dynamics[i], slope);
+    if let Some(point) = &mut system.point {
+        point.states[i] = c;
     }
 }
 

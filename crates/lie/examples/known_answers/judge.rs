@@ -49,6 +49,20 @@ fn compare(found: &Value, expected: &Expected) -> Judgment {
             });
             right(all && found.is_empty())
         }
+        Expected::Near(value) => {
+            right(found.as_f64().is_some_and(|found| (found - value).abs() < 2e-3 * (1.0 + value.abs())))
+        }
+        Expected::Set(texts) => {
+            let list = found.as_array().map(Vec::as_slice).unwrap_or_default();
+            let found: Vec<&str> = list.iter().filter_map(Value::as_str).collect();
+            if found.iter().any(|f| !texts.iter().any(|t| t == f)) {
+                Judgment::Wrong
+            } else if found.len() < texts.len() {
+                Judgment::Unknown
+            } else {
+                right(found.len() == texts.len())
+            }
+        }
     }
 }
 

@@ -10,6 +10,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod classes;
+mod equations;
 mod hide;
 mod judge;
 mod local;
@@ -28,7 +29,7 @@ use serde_json::Value;
 
 use classes::{CLASSES, Class};
 use judge::{Judgment, judge};
-use model::Model;
+use model::{Model, Question};
 use random::Random;
 use tally::Tally;
 
@@ -96,22 +97,33 @@ fn system(asked: &Asked, index: usize, class: Class) -> (Model, String) {
     let mut random = Random::new(asked.seed, index as u64);
     let (model, how) = class(&mut random);
     let mut hidden = model.system();
-    hide::hide(&mut hidden, how, &mut random);
-    if asked.irrational {
+    if model.question == Question::Analysis {
+        hide::hide(&mut hidden, how, &mut random);
+    }
+    if model.question == Question::Analysis && asked.irrational {
         hide::hide_by_irrational_numbers(&mut hidden, &mut random);
+        if random.once_in(2) {
+            hide::hide_beside_an_irrational_value(&mut hidden, &mut random);
+        }
     }
     let text = hidden.to_toml().expect("a model that can be written");
     (model, text)
 }
 
 /// The report of the model in this file; `None` where it takes too long.
-fn report(text: &str, seconds: u64) -> Option<Result<Value, String>> {
+fn report(text: &str, question: Question, seconds: u64) -> Option<Result<Value, String>> {
     let (send, receive) = mpsc::channel();
     let text = text.to_owned();
     let work = move || {
         let system = System::parse("known", &text).map_err(|e| e.to_string())?;
-        let analysis = analyze(&system, &AnalysisOptions::default()).map_err(|e| e.to_string())?;
-        serde_json::to_value(&analysis.report).map_err(|e| e.to_string())
+        match question {
+            Question::Analysis => {
+                let analysis = analyze(&system, &AnalysisOptions::default()).map_err(|e| e.to_string())?;
+                serde_json::to_value(&analysis.report).map_err(|e| e.to_string())
+            }
+            Question::Equilibrium => equations::answer_of_trim(&system),
+            Question::Parameters => equations::answer_by_cases(&system),
+        }
     };
     std::thread::Builder::new().stack_size(64 << 20).spawn(move || send.send(work())).ok()?;
     match receive.recv_timeout(Duration::from_secs(seconds)) {
@@ -129,7 +141,7 @@ fn trial(asked: &Asked, index: usize, tally: &Mutex<Tally>) {
     };
     let (model, text) = system(asked, index, class);
     let start = Instant::now();
-    let found = report(&text, asked.seconds);
+    let found = report(&text, model.question, asked.seconds);
     let seconds = start.elapsed().as_secs_f64();
     let mut lines = Vec::new();
     let mut tally = tally.lock().expect("no panic while it is held");

@@ -5,6 +5,18 @@ use std::fmt::Write;
 use bracketry_system::System;
 use serde_json::{Value, json};
 
+/// What is asked of a system.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Question {
+    /// The report of the analysis.
+    #[default]
+    Analysis,
+    /// An operating point.
+    Equilibrium,
+    /// Verdicts by cases of parameters.
+    Parameters,
+}
+
 /// What an entry of the report must be.
 #[derive(Clone, Debug)]
 pub(crate) enum Expected {
@@ -14,11 +26,16 @@ pub(crate) enum Expected {
     Count(usize),
     /// Eigenvalues, real and imaginary parts.
     Spectrum(Vec<(f64, f64)>),
+    /// This number, up to the accuracy to which multiple solutions are found.
+    Near(f64),
+    /// These texts in any order; others are wrong, fewer count as unknown.
+    Set(Vec<String>),
 }
 
 /// A system in coordinates in which its answers are seen.
 #[derive(Default)]
 pub(crate) struct Model {
+    pub(crate) question: Question,
     /// Names and rates.
     pub(crate) states: Vec<(String, String)>,
     pub(crate) inputs: Vec<String>,
@@ -62,6 +79,14 @@ impl Model {
 
     pub(crate) fn count(&mut self, path: &str, count: usize) {
         self.truth.push((path.to_owned(), Expected::Count(count)));
+    }
+
+    pub(crate) fn near(&mut self, path: &str, value: f64) {
+        self.truth.push((path.to_owned(), Expected::Near(value)));
+    }
+
+    pub(crate) fn set(&mut self, path: &str, texts: Vec<String>) {
+        self.truth.push((path.to_owned(), Expected::Set(texts)));
     }
 
     pub(crate) fn spectrum(&mut self, path: &str, values: &[(f64, f64)]) {
