@@ -2,6 +2,7 @@
 
 use bracketry_numerics::eigen::eigenvalues;
 use bracketry_symbolic::{Rational, UnivariatePolynomial};
+use dashu_int::IBig;
 use dashu_int::ops::BitTest;
 use nalgebra::DMatrix;
 
@@ -148,20 +149,7 @@ fn roots_in_left_half_plane(p: &UnivariatePolynomial) -> usize {
         parts[down % 2][k] = if (down / 2).is_multiple_of(2) { c.clone() } else { -c.clone() };
     }
     let [a, b] = parts.map(UnivariatePolynomial::new);
-    let mut chain = vec![a, b];
-    while let [.., f, g] = &chain[..]
-        && !g.is_zero()
-    {
-        let mut rest = f.remainder(g).scaled(&Rational::from(-1));
-        // Only signs matter; without this the numbers grow exponentially.
-        let leading = rest.leading();
-        if leading != Rational::ZERO {
-            let size = if leading < Rational::ZERO { -leading } else { leading };
-            rest = rest.scaled(&(Rational::ONE / size));
-        }
-        chain.push(rest);
-    }
-    chain.pop();
+    let chain = UnivariatePolynomial::signed_remainders(&a, &b);
     let variations = |at_minus_infinity: bool| {
         let positive: Vec<bool> = chain
             .iter()
@@ -207,12 +195,12 @@ fn simple_roots(p: &UnivariatePolynomial) -> Vec<Root> {
 type Complex = nalgebra::Complex<f64>;
 
 fn aberth(p: &UnivariatePolynomial) -> Vec<Complex> {
-    let derivative = p.derivative();
+    let coefficients = p.integer_coefficients();
     let mut z = first_guess(p);
     for _ in 0..ROUNDS {
         let mut moved = 0.0f64;
         for i in 0..z.len() {
-            let Some(newton) = quotient(p, &derivative, z[i]) else { continue };
+            let Some(newton) = quotient(&coefficients, z[i]) else { continue };
             let others: Complex = (0..z.len()).filter(|&j| j != i && z[j] != z[i]).map(|j| (z[i] - z[j]).inv()).sum();
             let step = newton / (Complex::new(1.0, 0.0) - newton * others);
             if step.re.is_finite() && step.im.is_finite() {
@@ -227,21 +215,29 @@ fn aberth(p: &UnivariatePolynomial) -> Vec<Complex> {
     z
 }
 
-/// p(z)/p'(z) at the complex number z, whose parts are taken as exact.
-fn quotient(p: &UnivariatePolynomial, derivative: &UnivariatePolynomial, z: Complex) -> Option<Complex> {
-    let (re, im) = (Rational::try_from(z.re).ok()?, Rational::try_from(z.im).ok()?);
-    let at = |p: &UnivariatePolynomial| {
-        p.coefficients()
-            .iter()
-            .rev()
-            .fold((Rational::ZERO, Rational::ZERO), |(a, b), c| (&a * &re - &b * &im + c, &a * &im + &b * &re))
-    };
-    let ((a, b), (c, d)) = (at(p), at(derivative));
+/// p(z)/p'(z) at the complex number z, whose parts are taken as exact: they are a + b i over a power of two, so that integers suffice.
+/// `coefficients` are integers, those of a multiple of p.
+fn quotient(coefficients: &[IBig], z: Complex) -> Option<Complex> {
+    let exact = [Rational::try_from(z.re).ok()?, Rational::try_from(z.im).ok()?];
+    let down = exact.iter().map(|x| x.denominator().bit_len() - 1).max()?;
+    let [a, b] = exact.map(|x| x.numerator() * (IBig::ONE << (down + 1 - x.denominator().bit_len())));
+    // 2^(k down) times the value of the leading k + 1 coefficients, and of the derivative.
+    let (mut p, mut d) = ([IBig::ZERO; 2], [IBig::ZERO; 2]);
+    let times = |[x, y]: &[IBig; 2]| [x * &a - y * &b, x * &b + y * &a];
+    for (k, c) in coefficients.iter().rev().enumerate() {
+        // (q z + c)' = q' z + q
+        let [x, y] = times(&d);
+        d = [x + (&p[0] << down), y + (&p[1] << down)];
+        let [x, y] = times(&p);
+        p = [x + (c << (k * down)), y];
+    }
+    let [[a, b], [c, d]] = [p, d];
     let size = &c * &c + &d * &d;
-    if size == Rational::ZERO {
+    if size == IBig::ZERO {
         return None;
     }
-    let number = |x: Rational| (x / &size).to_f64().value();
+    let size = Rational::from(size);
+    let number = |x: IBig| (Rational::from(x) / &size).to_f64().value();
     Some(Complex::new(number(&a * &c + &b * &d), number(b * c - a * d)))
 }
 

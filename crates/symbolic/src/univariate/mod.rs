@@ -1,6 +1,13 @@
 //! Polynomials in one variable with rational coefficients, and their real roots.
 
+mod integer;
+
+use std::cmp::Ordering;
+
+use dashu_int::IBig;
+
 use crate::Rational;
+use integer::{IntegerPolynomial, Isolated};
 
 /// A polynomial Σ c_k x^k: c_k at index k, the last not zero; no coefficients for zero.
 ///
@@ -12,7 +19,8 @@ use crate::Rational;
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnivariatePolynomial(Vec<Rational>);
 
-/// A real root: an interval with rational ends that holds no other, so narrow that its ends agree to the accuracy of `f64`.
+/// A real root: an interval with rational ends that holds no other; so narrow, where the root is irrational, that its ends agree to the
+/// accuracy of `f64`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RealRoot {
     /// The root as a number.
@@ -39,6 +47,11 @@ impl UnivariatePolynomial {
     /// The coefficients, that of degree k at index k.
     pub fn coefficients(&self) -> &[Rational] {
         &self.0
+    }
+
+    /// The coefficients of the multiple by a positive number that has integer coefficients without a common divisor.
+    pub fn integer_coefficients(&self) -> Vec<IBig> {
+        IntegerPolynomial::of(&self.0).coefficients().to_vec()
     }
 
     /// Whether all coefficients vanish.
@@ -140,47 +153,34 @@ impl UnivariatePolynomial {
     /// The greatest common divisor, with leading coefficient 1; 0 for two zero polynomials.
     #[must_use]
     pub fn gcd(&self, other: &Self) -> Self {
-        let (mut a, mut b) = (self.clone(), other.clone());
-        while !b.is_zero() {
-            let rest = a.remainder(&b);
-            a = b;
-            b = rest;
-        }
-        if a.is_zero() { a } else { a.scaled(&(Rational::ONE / a.leading())) }
+        let common = Self(IntegerPolynomial::of(&self.0).gcd(&IntegerPolynomial::of(&other.0)).rational());
+        if common.is_zero() { common } else { common.scaled(&(Rational::ONE / common.leading())) }
     }
 
-    /// Number of distinct real roots in the half-open interval (a, b] of a square-free polynomial (Sturm).
-    fn count(chain: &[Self], a: &Rational, b: &Rational) -> usize {
-        let variations = |x: &Rational| {
-            let signs: Vec<bool> =
-                chain.iter().map(|p| p.at(x)).filter(|v| *v != Rational::ZERO).map(|v| v > Rational::ZERO).collect();
-            signs.windows(2).filter(|w| w[0] != w[1]).count()
-        };
-        variations(a).saturating_sub(variations(b))
+    /// f, g, and the negative remainders of Euclid's algorithm up to positive factors; the last is a greatest common divisor (Sturm).
+    pub fn signed_remainders(f: &Self, g: &Self) -> Vec<Self> {
+        let chain = IntegerPolynomial::signed_remainders(IntegerPolynomial::of(&f.0), IntegerPolynomial::of(&g.0));
+        chain.iter().map(|p| Self(p.rational())).collect()
+    }
+
+    /// p without multiple roots, with integer coefficients.
+    fn square_free(&self) -> IntegerPolynomial {
+        IntegerPolynomial::of(&self.quotient(&self.gcd(&self.derivative())).0)
     }
 
     /// Whether there is a root in the closed interval.
     pub fn has_root_between(&self, [a, b]: &[Rational; 2]) -> bool {
-        let chain = self.sturm_chain();
-        self.at(a) == Rational::ZERO || Self::count(&chain, a, b) > 0
-    }
-
-    /// p, p', and the negative remainders of Euclid's algorithm, of the square-free part.
-    fn sturm_chain(&self) -> Vec<Self> {
-        let common = self.gcd(&self.derivative());
-        let p = self.quotient(&common);
-        let mut chain = vec![p.clone(), p.derivative()];
-        while let [.., a, b] = &chain[..]
-            && !b.is_zero()
-        {
-            // Only signs matter; without the division the numbers grow exponentially.
-            let rest = a.remainder(b);
-            let leading = rest.leading();
-            let size = if leading > Rational::ZERO { -leading } else { leading };
-            chain.push(if size == Rational::ZERO { rest } else { rest.scaled(&(Rational::ONE / size)) });
+        let p = self.square_free();
+        if p.sign_at(a) == Ordering::Equal {
+            return true;
         }
-        chain.pop();
-        chain
+        // Sign changes of Sturm's sequence tell the number of roots in (a, b].
+        let chain = IntegerPolynomial::signed_remainders(p.clone(), p.derivative());
+        let variations = |x: &Rational| {
+            let signs: Vec<Ordering> = chain.iter().map(|p| p.sign_at(x)).filter(|s| *s != Ordering::Equal).collect();
+            signs.windows(2).filter(|w| w[0] != w[1]).count()
+        };
+        variations(a) > variations(b)
     }
 
     /// The distinct real roots, ascending; none for a constant.
@@ -188,63 +188,71 @@ impl UnivariatePolynomial {
         if self.degree() == 0 {
             return Vec::new();
         }
-        let chain = self.sturm_chain();
-        let leading = self.leading();
-        // Cauchy: every root is smaller in size than 1 + max |c_k/c_n|.
-        let size = |c: &Rational| {
-            let q = c.clone() / leading.clone();
-            if q < Rational::ZERO { -q } else { q }
-        };
-        let bound = self.0.iter().map(size).fold(Rational::ZERO, |m, q| if q > m { q } else { m }) + Rational::ONE;
-        let mut open = vec![[-bound.clone(), bound]];
-        let mut isolated = Vec::new();
-        while let Some([a, b]) = open.pop() {
-            match Self::count(&chain, &a, &b) {
-                0 => {}
-                1 => isolated.push([a, b]),
-                _ => {
-                    let middle = (a.clone() + b.clone()) / Rational::from(2);
-                    open.push([middle.clone(), b]);
-                    open.push([a, middle]);
-                }
-            }
+        let mut p = self.square_free();
+        let mut roots = Vec::new();
+        if p.coefficients()[0] == IBig::ZERO {
+            roots.push(RealRoot::exactly(Rational::ZERO));
+            p = IntegerPolynomial::of(&self.square_free().rational()[1..]);
         }
-        let mut roots: Vec<RealRoot> = isolated.into_iter().map(|i| Self::refined(&chain, i)).collect();
-        roots.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let mirrored: Vec<Rational> =
+            p.rational().into_iter().enumerate().map(|(k, c)| if k % 2 == 1 { -c } else { c }).collect();
+        let mirrored = IntegerPolynomial::of(&mirrored);
+        roots.extend(p.positive_roots().into_iter().map(|root| RealRoot::refined(&p, root)));
+        roots.extend(mirrored.positive_roots().into_iter().map(|root| RealRoot::refined(&mirrored, root).negative()));
+        roots.sort_by(|a, b| a.between[0].cmp(&b.between[0]));
+        // Around a root that is known lies an interval that holds no other.
+        let known: Vec<bool> = roots.iter().map(|r| r.between[0] == r.between[1]).collect();
+        let four = Rational::from(4);
+        let gap = |i: usize| (&roots[i + 1].between[0] - &roots[i].between[1]) / &four;
+        let gaps: Vec<Rational> = (0..roots.len().saturating_sub(1)).map(gap).collect();
+        let quarter = Rational::ONE / &four;
+        for i in (0..roots.len()).filter(|&i| known[i]) {
+            let below = i.checked_sub(1).map_or(&quarter, |k| &gaps[k]);
+            let above = gaps.get(i).unwrap_or(&quarter);
+            roots[i].between[0] -= below;
+            roots[i].between[1] += above;
+        }
         roots
     }
+}
 
-    fn refined(chain: &[Self], [mut a, mut b]: [Rational; 2]) -> RealRoot {
-        let p = &chain[0];
-        let exact =
-            |x: Rational, between: [Rational; 2]| RealRoot { value: x.to_f64().value(), exact: Some(x), between };
-        if a < Rational::ZERO && b >= Rational::ZERO && p.at(&Rational::ZERO) == Rational::ZERO {
-            return exact(Rational::ZERO, [a, b]);
-        }
-        // The root is simple and the only one: beyond it p has the sign that it has at b.
-        let mut at_b = p.at(&b);
-        let resolution = Rational::ONE / Rational::from(dashu_int::IBig::ONE << ACCURACY);
+impl RealRoot {
+    fn exactly(x: Rational) -> Self {
+        RealRoot { value: x.to_f64().value(), exact: Some(x.clone()), between: [x.clone(), x] }
+    }
+
+    fn negative(self) -> Self {
+        let [a, b] = self.between;
+        RealRoot { value: -self.value, exact: self.exact.map(|x| -x), between: [-b, -a] }
+    }
+
+    /// A simple root of p, to the accuracy of `f64`.
+    fn refined(p: &IntegerPolynomial, root: Isolated) -> Self {
+        let [mut a, mut b] = match root {
+            Isolated::At(x) => return Self::exactly(x),
+            Isolated::Between(ends) => ends,
+        };
+        // The sign right of the root; at b itself may be another one, of which the derivative tells.
+        let right = match p.sign_at(&b) {
+            Ordering::Equal => p.derivative().sign_at(&b).reverse(),
+            sign => sign,
+        };
+        let resolution = Rational::ONE / Rational::from(IBig::ONE << ACCURACY);
         for _ in 0..MAX_HALVINGS {
-            if at_b == Rational::ZERO {
-                return exact(b.clone(), [a, b]);
-            }
-            let size = |x: &Rational| if *x < Rational::ZERO { -x.clone() } else { x.clone() };
-            let (size_a, size_b) = (size(&a), size(&b));
-            let nearer = if size_a < size_b { size_a } else { size_b };
-            if b.clone() - a.clone() <= nearer * resolution.clone() {
+            // Both ends are positive, or a is 0.
+            if &b - &a <= &a * &resolution {
                 break;
             }
-            let middle = (a.clone() + b.clone()) / Rational::from(2);
-            let at_middle = p.at(&middle);
-            if at_middle == Rational::ZERO || (at_middle > Rational::ZERO) == (at_b > Rational::ZERO) {
-                (b, at_b) = (middle, at_middle);
-            } else {
-                a = middle;
+            let middle = (&a + &b) / Rational::from(2);
+            match p.sign_at(&middle) {
+                Ordering::Equal => return Self::exactly(middle),
+                sign if sign == right => b = middle,
+                _ => a = middle,
             }
         }
         let simple = Rational::simplest_in(a.clone(), b.clone());
-        if p.at(&simple) == Rational::ZERO {
-            return exact(simple, [a, b]);
+        if p.sign_at(&simple) == Ordering::Equal {
+            return Self::exactly(simple);
         }
         RealRoot { value: b.to_f64().value(), exact: None, between: [a, b] }
     }
@@ -280,6 +288,49 @@ mod tests {
         let (a, b) = (polynomial(&[-6, 1, 1]), polynomial(&[3, 4, 1]));
         assert_eq!(a.gcd(&b), polynomial(&[3, 1]));
         assert_eq!(polynomial(&[1, 0, 1]).gcd(&polynomial(&[1, 1])), polynomial(&[1]));
+    }
+
+    /// Products of factors with known roots, some of them at dyadic numbers, some close together: values, order, and intervals apart.
+    #[test]
+    fn roots_of_products_are_isolated() {
+        let mut state = 1u64;
+        let mut random = |n: i64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as i64 % n
+        };
+        for case in 0..60 {
+            let mut p = polynomial(&[1 + random(3)]);
+            let mut expected: Vec<f64> = Vec::new();
+            for _ in 0..=random(6) {
+                let (a, b) = (random(41) - 20, 1 + random(16));
+                let (factor, roots) = match random(4) {
+                    0 => (polynomial(&[-a, b]), vec![a as f64 / b as f64]),
+                    // b² x² = 2 a²: irrational unless a = 0.
+                    1 => (
+                        polynomial(&[-2 * a * a, 0, b * b]),
+                        [-1.0, 1.0].map(|s| s * 2f64.sqrt() * a as f64 / b as f64).to_vec(),
+                    ),
+                    2 => (polynomial(&[-a * 1_000_001, b * 1_000_000]), vec![a as f64 / b as f64 * 1.000_001]),
+                    _ => (polynomial(&[a * a + 1, 2 * a, 1]), Vec::new()),
+                };
+                p = p.mul(&factor);
+                expected.extend(roots);
+            }
+            expected.sort_by(f64::total_cmp);
+            expected.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * b.abs());
+            let roots = p.roots();
+            let values: Vec<f64> = roots.iter().map(|r| r.value).collect();
+            assert_eq!(values.len(), expected.len(), "{case}: {values:?} {expected:?}");
+            for (r, e) in roots.iter().zip(&expected) {
+                assert!((r.value - e).abs() <= 1e-13 * e.abs(), "{case}: {values:?} {expected:?}");
+                assert!(r.exact.is_none() || p.at(r.exact.as_ref().unwrap_or(&Rational::ZERO)) == Rational::ZERO);
+                assert!(p.has_root_between(&r.between) && r.between[0] <= r.between[1], "{case}");
+            }
+            for pair in roots.windows(2) {
+                let apart = [pair[0].between[1].clone(), pair[1].between[0].clone()];
+                assert!(apart[0] < apart[1] && !p.has_root_between(&apart), "{case}: {apart:?}");
+            }
+        }
     }
 
     #[test]
