@@ -48,9 +48,9 @@ impl Ord for Cell {
 
 /// min over complex λ of σ_min[A − λ, B], the norm of the smallest perturbation of A and B that makes the pair
 /// uncontrollable (Eising 1984). The singular value changes by no more than λ does, so that its value in the middle of a
-/// square bounds it on the square: squares are divided until the bounds meet or the number of decompositions is used up.
-/// `None` where a decomposition does not converge.
-pub(crate) fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<Distance> {
+/// square bounds it on the square: squares are divided until the bounds meet, the number of decompositions is used up, or
+/// `stopped` says so. `None` where a decomposition does not converge.
+pub(crate) fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>, stopped: &dyn Fn() -> bool) -> Option<Distance> {
     let (n, m) = (a.nrows(), b.ncols());
     if n == 0 {
         return None;
@@ -79,15 +79,21 @@ pub(crate) fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<Distance> {
         Some(Cell { lower: (value - half * std::f64::consts::SQRT_2).max(0.0), center, half })
     };
     for x in [-0.5 * radius, 0.5 * radius] {
+        if stopped() {
+            return Some(best);
+        }
         heap.push(examine([x, 0.5 * radius], 0.5 * radius, &mut best)?);
     }
     for z in bracketry_numerics::eigen::eigenvalues(a)? {
+        if stopped() {
+            break;
+        }
         examine([z.0, z.1.abs()], 0.0, &mut best)?;
     }
     while let Some(cell) = heap.pop() {
         best.lower = cell.lower.min(best.upper);
         used += 4;
-        if best.upper - cell.lower <= GAP * best.upper || used > most {
+        if best.upper - cell.lower <= GAP * best.upper || used > most || stopped() {
             break;
         }
         let half = 0.5 * cell.half;
@@ -98,15 +104,21 @@ pub(crate) fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<Distance> {
             }
         }
     }
-    Some(polished(best, sigma))
+    Some(polished(best, sigma, stopped))
 }
 
 /// The upper bound lowered by a descent from the best number so far.
-fn polished(mut best: Distance, sigma: impl Fn([f64; 2]) -> Option<f64>) -> Distance {
+fn polished(mut best: Distance, sigma: impl Fn([f64; 2]) -> Option<f64>, stopped: &dyn Fn() -> bool) -> Distance {
     let mut step = 0.1 * best.upper;
     for _ in 0..200 {
+        if stopped() {
+            break;
+        }
         let mut moved = false;
         for (i, j) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+            if stopped() {
+                break;
+            }
             let z = [best.at.0 + i * step, best.at.1 + j * step];
             if let Some(value) = sigma(z).filter(|v| *v < best.upper) {
                 (best.upper, best.at, moved) = (value, (z[0], z[1]), true);
@@ -135,13 +147,13 @@ mod tests {
         let mut last = f64::INFINITY;
         for epsilon in [1.0, 0.1, 0.01, 0.0] {
             let a = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, 1.0 + epsilon]);
-            let Some(d) = distance(&a, &b) else { unreachable!() };
+            let Some(d) = distance(&a, &b, &|| false) else { unreachable!() };
             assert!(d.lower <= d.upper && d.upper <= 0.5 * epsilon + 1e-15 && d.upper <= last, "{epsilon}: {d:?}");
             assert!(d.lower >= 0.8 * d.upper - 1e-3, "{epsilon}: {d:?}");
             last = d.upper;
         }
         // One state: σ_min[a − λ, b] is least at λ = a, where it is |b|.
-        let Some(d) = distance(&DMatrix::from_element(1, 1, -3.0), &DMatrix::from_element(1, 1, 0.5)) else {
+        let Some(d) = distance(&DMatrix::from_element(1, 1, -3.0), &DMatrix::from_element(1, 1, 0.5), &|| false) else {
             unreachable!()
         };
         assert!((d.upper - 0.5).abs() < 1e-12 && d.lower > 0.49 && (d.at.0 + 3.0).abs() < 1e-3, "{d:?}");

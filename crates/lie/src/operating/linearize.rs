@@ -1,6 +1,6 @@
 //! What a linear system tells: poles, zeros, ranks, Gramians, distances, and gains.
 
-use bracketry_symbolic::Echelon;
+use bracketry_symbolic::{Echelon, Fp};
 use bracketry_system::System;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -156,17 +156,23 @@ pub fn linearize(system: &System, options: &LinearizeOptions) -> Result<LinearAn
         Some([a, b, c, _]) => (rank_exactly(a, &b.transposed()), rank_exactly(&a.transposed(), c)),
         None => (rank(a, b), rank(&a.transpose(), &c.transpose())),
     };
+    let gramians = values.and_then(|poles| gramians(a, b, c, &poles, options.horizon));
+    let (regulator, estimator) = (regulator(a, b, &q, &r), estimator(a, c, &v, &w));
+    // These take the longest, and are bounds whenever they end.
+    let stopped = || system.pool.reached_limit().is_some();
+    let (to_uncontrollable, to_unobservable) =
+        (distance(a, b, &stopped), distance(&a.transpose(), &c.transpose(), &stopped));
     Ok(LinearAnalysis {
         exact: model.rational.is_some(),
         half_planes: spectrum.map(|s| [s.left, s.on_axis, s.right]),
         zeros: sorted(model.quadruple().zeros()),
         controllability,
         observability,
-        gramians: values.and_then(|poles| gramians(a, b, c, &poles, options.horizon)),
-        distance_to_uncontrollable: distance(a, b),
-        distance_to_unobservable: distance(&a.transpose(), &c.transpose()),
-        regulator: regulator(a, b, &q, &r),
-        estimator: estimator(a, c, &v, &w),
+        gramians,
+        distance_to_uncontrollable: to_uncontrollable,
+        distance_to_unobservable: to_unobservable,
+        regulator,
+        estimator,
         poles,
         system: model,
     })
@@ -192,10 +198,24 @@ fn poles(spectrum: Option<&Spectrum>, numbers: Option<&[(f64, f64)]>) -> Option<
     Some(numbers.into_iter().map(|(re, im)| Pole { re, im, multiplicity: 1, exact: None }).collect())
 }
 
-/// The dimension of span{A^k v} over the rows v of `start`.
+/// The dimension of span{A^k v} over the rows v of `start`. The full rank modulo a prime is one of the rational numbers, too.
 fn rank_exactly(a: &RationalMatrix, start: &RationalMatrix) -> Rank {
     let n = a.rows().len();
-    Rank { rank: Echelon::invariant(start.rows(), n, |v| a.times(v)).rank(), of: n, exact: true }
+    let is_full = rank_modulo_a_prime(a, start) == Some(n);
+    let rank = if is_full { n } else { Echelon::invariant(start.rows(), n, |v| a.times(v)).rank() };
+    Rank { rank, of: n, exact: true }
+}
+
+/// `None` where a denominator vanishes modulo the prime.
+fn rank_modulo_a_prime(a: &RationalMatrix, start: &RationalMatrix) -> Option<usize> {
+    let residues = |m: &RationalMatrix| -> Option<Vec<Vec<Fp>>> {
+        m.rows().iter().map(|row| row.iter().map(Fp::from_rational).collect()).collect()
+    };
+    let (rows, start) = (residues(a)?, residues(start)?);
+    let times = |v: &[Fp]| -> Vec<Fp> {
+        rows.iter().map(|row| row.iter().zip(v).fold(Fp::ZERO, |s, (&x, &y)| s + x * y)).collect()
+    };
+    Some(Echelon::invariant(&start, rows.len(), times).rank())
 }
 
 /// Vectors whose part outside of the span so far is smaller than this, relative to their size, belong to it.
