@@ -163,12 +163,17 @@ impl Ocp {
         if self.state_size.is_empty() { &self.state_scale } else { &self.state_size }
     }
 
-    /// Which ends of bounds are finite: the layout of programs depends on it.
-    pub(crate) fn finite_ends(&self) -> Vec<bool> {
+    /// Which inputs cannot move.
+    pub(crate) fn fixed_inputs(&self) -> impl Iterator<Item = bool> + '_ {
+        self.input_bounds.iter().map(|b| b.0 >= b.1)
+    }
+
+    /// Which ends of bounds are finite, and which inputs cannot move: the layout of programs depends on it.
+    pub(crate) fn layout_of_bounds(&self) -> Vec<bool> {
         let states = self.state_bounds.iter().map(|b| (b.min, b.max));
         let paths = self.path_constraints.iter().map(|c| (c.bounds.min, c.bounds.max));
         let ends = states.chain(self.input_bounds.iter().copied()).chain(paths);
-        ends.flat_map(|b| [b.0.is_finite(), b.1.is_finite()]).collect()
+        ends.flat_map(|b| [b.0.is_finite(), b.1.is_finite()]).chain(self.fixed_inputs()).collect()
     }
 
     /// Brings every bound closer to its middle by `fraction` of the half-width (one-sided bounds stay): room for feedback.

@@ -55,7 +55,7 @@ impl Transcription {
             let found = row.len() + ocp.branch_parameters(0).len();
             check_length("a row of parameters", found, self.dynamics.parameters())?;
         }
-        let relaid = ocp.finite_ends() != self.ocp.finite_ends();
+        let relaid = ocp.layout_of_bounds() != self.ocp.layout_of_bounds();
         self.ocp = ocp;
         Ok(relaid)
     }

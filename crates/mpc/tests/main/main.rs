@@ -15,6 +15,7 @@ mod estimation;
 mod exact_hessian;
 mod faults;
 mod finite_inputs;
+mod fixed_inputs;
 mod free_values;
 mod friction;
 mod globalisation;

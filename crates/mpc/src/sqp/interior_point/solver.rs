@@ -145,10 +145,8 @@ impl<'a> InteriorPoint<'a> {
         let (n, m, steps) = (guess.states(), guess.inputs(), guess.steps());
         let mut z = guess.clone();
         for (j, &(low, high)) in of.problem.ocp.input_bounds.iter().enumerate() {
-            let push = PUSH * of.program.size(n + j);
-            if low + push >= high - push {
-                return None;
-            }
+            // The range of an input may be much smaller than its size; without one, it is no variable.
+            let push = PUSH * of.program.size(n + j).min(high - low);
             (0..steps).for_each(|k| z.u_mut(k)[j] = z.u(k)[j].clamp(low + push, high - push));
         }
         let s: Vec<f64> = of.program.slacks.iter().map(|p| PUSH * p.scale).collect();
