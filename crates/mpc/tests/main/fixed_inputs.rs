@@ -1,7 +1,8 @@
-//! Inputs that cannot move change nothing.
+//! Inputs that cannot move change nothing, and a model may have no inputs at all.
 
 use crate::common::noise::Noise;
-use crate::common::reports::run;
+use crate::common::reports::{problem, run};
+use bracketry_mpc::control;
 use bracketry_mpc::problem::ClosedLoopReport;
 
 /// A pole on a cart, hanging, to be swung up; `idle` inputs are fixed, each at a value that its equation takes away again.
@@ -58,5 +59,40 @@ fn narrow_ranges_converge_to_fixed_inputs() {
     let fixed = cost(0.0);
     for width in [1e-1, 1e-3, 1e-6] {
         assert!((cost(width) - fixed).abs() <= 2.0 * width * fixed, "{width}: {} {fixed}", cost(width));
+    }
+}
+
+/// The decay of a state with an unknown rate, without any input: the rate and the time that fit.
+#[test]
+fn free_values_need_no_inputs() {
+    let mut noise = Noise::new(7);
+    for _ in 0..4 {
+        let (rate, start) = (0.5 + 2.0 * noise.uniform(), 1.0 + noise.uniform());
+        let model = "states = [\"x\"]\ninputs = []\nparameters = { k = 1 }\ndynamics = { x = \"-k*x\" }";
+        let of_rate = format!(
+            "horizon = {{ steps = 10, dt = 0.1 }}\ncost = {{ stage = \"(x - {start:?}*exp(-{rate:?}*t))^2\" }}\n\
+             parameters = {{ k = {{ free = true, min = 0.1, max = 10, guess = 1 }} }}\nrun = {{ x0 = {{ x = {start:?} }} }}"
+        );
+        let report = run(model, &of_rate);
+        let found = report.found.as_ref().and_then(|f| f.parameters.get("k").copied());
+        assert!(report.succeeded && found.is_some_and(|k| (k - rate).abs() < 1e-4), "{rate}: {report:?}");
+        let of_time = format!(
+            "horizon = {{ steps = 10, end_time = {{ free = true, guess = 1, min = 0.1, max = 10 }} }}\n\
+             cost = {{ terminal = \"(x - {:?})^2\" }}\nrun = {{ x0 = {{ x = {start:?} }} }}",
+            start * (-rate).exp()
+        );
+        let report = run(model, &of_time);
+        let found = report.found.as_ref().and_then(|f| f.end_time);
+        assert!(report.succeeded && found.is_some_and(|t| (t - rate).abs() < 1e-3), "{rate}: {report:?}");
+    }
+    // Nothing to decide on at all: the plan is the motion.
+    for method in ["rti", "sqp", "plan"] {
+        let text = format!(
+            "horizon = {{ steps = 10, dt = 0.1 }}\ncost = {{ stage = \"x^2\" }}\nsolve = {{ method = \"{method}\" }}\n\
+             run = {{ x0 = {{ x = 1 }} }}"
+        );
+        let run = control(&problem("states = [\"x\"]\ninputs = []\ndynamics = { x = \"-x\" }", &text)).unwrap().run;
+        let end = run.report.x_final.get("x").copied().unwrap();
+        assert!(run.report.succeeded && (end - (-1.0_f64).exp()).abs() < 1e-6, "{method}: {end}");
     }
 }
