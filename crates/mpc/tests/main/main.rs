@@ -10,6 +10,7 @@ mod common;
 mod constraints;
 mod contact_reference;
 mod convergence;
+mod cost_norms;
 mod discrete_time;
 mod estimation;
 mod exact_hessian;
