@@ -77,6 +77,9 @@ pub(super) fn verdict(
         notes.push(note);
         return Ok(notes);
     }
+    if matches!(problem.method_reason, MethodReason::NotConverging) && !is_as_good_as_a_plan(problem, run)? {
+        notes.push(Note::ChosenWithoutPlan);
+    }
     let cause = cause(problem, run, planned);
     let end = run.x.last().unwrap_or(&problem.x0);
     for t in problem.ocp.targets.iter().filter(|_| !problem.ends_early()) {
@@ -129,9 +132,7 @@ pub(super) fn verdict(
     let whole = balance.intervals == problem.ocp.steps && problem.ocp.targets.is_empty();
     if whole && same && one_program(problem) && notes.is_empty() && !acts_late(problem) {
         notes.extend(loop_outdone(problem, run, &balance)?);
-        let doubtful = problem.stays(run.u.iter().map(Vec::as_slice))
-            || matches!(problem.method_reason, MethodReason::NotConverging);
-        if doubtful && notes.is_empty() {
+        if notes.is_empty() && problem.stays(run.u.iter().map(Vec::as_slice)) {
             notes.extend(other_start(problem, balance.realized.total())?);
         }
     }
@@ -222,6 +223,20 @@ fn plan_outdone(problem: &ControlProblem, plan: &PlannedTrajectory) -> Result<Op
     let held = rehearsal.best_held(&problem);
     let better = held.filter(|h| planned - h.cost > BEST * planned.abs().max(h.cost.abs()) + floor);
     Ok(better.map(|held| outdone(&problem, &held, stays, planned)))
+}
+
+/// Whether a plan converges from what the loop did over the horizon, and does not cost less.
+fn is_as_good_as_a_plan(problem: &ControlProblem, run: &ClosedLoop) -> Result<bool, MpcError> {
+    let steps = problem.ocp.steps;
+    if run.u.len() < steps || !problem.ocp.is_uniform() || !problem.is_alone() {
+        return Ok(false);
+    }
+    let Ok(done) = PlannedTrajectory::from_rows(&run.x[..=steps], &run.u[..steps]) else { return Ok(false) };
+    let mut sqp = Sqp::new(problem.dynamics()?, problem.ocp.clone(), problem.sqp_settings())?;
+    let plan = sqp.solve(&problem.initial_state(), &done)?;
+    let (realized, planned) = (problem.value(&done), problem.value(&plan.trajectory));
+    let close = realized - planned <= BEST * realized.abs().max(planned.abs()) + floor(problem, steps);
+    Ok(plan.status == SolveStatus::Converged && close)
 }
 
 /// A plan from another start that costs much less than `planned`: from inputs at rest, or from waves where those are the guess.

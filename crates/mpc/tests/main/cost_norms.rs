@@ -2,6 +2,7 @@
 
 use crate::common::noise::Noise;
 use crate::common::reports::run;
+use bracketry_mpc::problem::{MethodReason, Note};
 
 const POINT: &str = "states = [\"x\", \"y\"]\ninputs = [\"vx\", \"vy\"]\ndynamics = { x = \"vx\", y = \"vy\" }";
 const DRIFTING: &str = "states = [\"x\", \"y\"]\ninputs = [\"vx\", \"vy\"]\n\
@@ -55,4 +56,29 @@ fn norms_of_any_kind_lead_to_their_goal() {
         let off = (end[0] - goal[0]).abs().max((end[1] - goal[1]).abs());
         assert!(report.succeeded && off < 1e-2, "{stage}: {end:?} {:?}", report.notes);
     }
+}
+
+/// Where no plan converges, a loop of one program per sample that does worse than a plan fails, and says why.
+#[test]
+fn a_method_that_is_chosen_for_want_of_a_plan_is_told() {
+    let mut seen = 0;
+    for power in ["1/4", "1/3", "1/5"] {
+        for goal in [0.7, 1.1] {
+            let text = format!(
+                "horizon = {{ steps = 20, dt = 0.1 }}\n\
+                 cost = {{ stage = \"((x - {goal})^2 + (y - 0.5)^2)^({power}) + 0.01*(vx^2 + vy^2)\" }}\n\
+                 constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\nrun = {{ steps = 40 }}"
+            );
+            let report = run(POINT, &text);
+            let end = ["x", "y"].map(|n| report.x_final.get(n).copied().unwrap());
+            let arrived = (end[0] - goal).abs().max((end[1] - 0.5).abs()) < 0.02;
+            assert!(arrived || !report.succeeded, "{power} {goal}: {report:?}");
+            if matches!(report.method_reason, MethodReason::NotConverging) {
+                seen += 1;
+                let told = report.notes.iter().any(|n| matches!(n, Note::ChosenWithoutPlan));
+                assert_eq!(told, !report.succeeded, "{:?}", report.notes);
+            }
+        }
+    }
+    assert!(seen > 0);
 }
