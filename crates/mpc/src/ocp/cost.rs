@@ -3,8 +3,9 @@
 use super::bounds::{Bounds, Softness};
 use super::constraint::PathConstraint;
 use super::cost_names::{CostKind, CostNames, CostPoint, Remembered};
-use super::cost_norms::{CostNorms, Widths};
+use super::cost_norms::CostNorms;
 use super::cost_parts::CostParts;
+use super::norm_widths::Widths;
 use super::vector_function::VectorFunction;
 use crate::error::{MpcError, check_length};
 use bracketry_native::{Function, Workspace};

@@ -4,7 +4,6 @@
 //! 2 w (∇r ∇rᵀ + r ∇²r) is indefinite. An absolute value w |e| has no derivative where e = 0, which is where it is small: in a
 //! quadratic program it becomes a slack that is at least e and −e.
 
-use super::cost_norms::squares_of;
 use bracketry_symbolic::{Expr, Func, Func2, Node, Pool, Symbol};
 
 /// A weight times a function of the residual.
@@ -143,7 +142,7 @@ fn add_outer_product(pool: &mut Pool, hessian: &mut [Vec<Expr>], factor: Expr, r
 }
 
 /// r where the product of the factors is r².
-pub(super) fn root(pool: &mut Pool, factors: &[Expr]) -> Option<Expr> {
+fn root(pool: &mut Pool, factors: &[Expr]) -> Option<Expr> {
     let mut root = pool.int(1);
     for &f in factors {
         let Node::Pow(base, exponent) = pool.node(f) else { return None };
@@ -154,13 +153,42 @@ pub(super) fn root(pool: &mut Pool, factors: &[Expr]) -> Option<Expr> {
     Some(root)
 }
 
+/// The squares c r² whose sum has this square root; none where it is another expression, or cannot vanish.
+pub(super) fn squares_of(pool: &mut Pool, e: Expr) -> Option<Vec<(Expr, Expr)>> {
+    let Node::Pow(base, exponent) = pool.node(e) else { return None };
+    if number(pool, exponent) != Some(0.5) {
+        return None;
+    }
+    let (mut squares, mut left) = (Vec::new(), vec![base]);
+    while let Some(e) = left.pop() {
+        if let Node::Add(a, b) = pool.node(e) {
+            left.extend([b, a]);
+            continue;
+        }
+        let (mut factor, mut factors, mut product) = (pool.int(1), Vec::new(), vec![e]);
+        while let Some(e) = product.pop() {
+            match pool.node(e) {
+                Node::Mul(a, b) => product.extend([b, a]),
+                _ if number(pool, e).is_some() => factor = pool.mul(factor, e),
+                _ => factors.push(e),
+            }
+        }
+        let positive = number(pool, factor).is_some_and(|c| c > 0.0);
+        if !positive || factors.is_empty() {
+            return None;
+        }
+        squares.push((factor, root(pool, &factors)?));
+    }
+    Some(squares)
+}
+
 fn is_affine(pool: &mut Pool, e: Expr, variables: &[Symbol]) -> bool {
     let hessian = pool.hessian(e, variables);
     hessian.iter().flatten().all(|h| pool.is_zero(*h))
 }
 
 /// The value of an expression of numbers.
-pub(super) fn number(pool: &Pool, e: Expr) -> Option<f64> {
+fn number(pool: &Pool, e: Expr) -> Option<f64> {
     Some(match pool.node(e) {
         Node::Num(_) => pool.number(e)?.to_f64().value(),
         Node::Pi => std::f64::consts::PI,
