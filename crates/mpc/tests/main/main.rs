@@ -34,6 +34,7 @@ mod plate;
 mod problem_file;
 mod problem_keys;
 mod problem_mistakes;
+mod progress;
 mod random_loops;
 mod recording;
 mod riccati;
