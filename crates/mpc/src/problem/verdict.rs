@@ -230,7 +230,7 @@ fn plan_outdone(problem: &ControlProblem, plan: &PlannedTrajectory) -> Result<Op
     Ok(better.map(|held| outdone(&problem, &held, stays, planned)))
 }
 
-/// Whether a plan converges from what the loop did over the horizon, and does not cost less.
+/// Whether a plan converges from what the loop did over the horizon, and does not cost less; or there is not much to be saved.
 fn is_as_good_as_a_plan(problem: &ControlProblem, run: &ClosedLoop) -> Result<bool, MpcError> {
     let steps = problem.ocp.steps;
     if run.u.len() < steps || !problem.ocp.is_uniform() || !problem.is_alone() {
@@ -240,8 +240,11 @@ fn is_as_good_as_a_plan(problem: &ControlProblem, run: &ClosedLoop) -> Result<bo
     let mut sqp = Sqp::new(problem.dynamics()?, problem.ocp.clone(), problem.sqp_settings())?;
     let plan = sqp.solve(&problem.initial_state(), &done)?;
     let (realized, planned) = (problem.value(&done), problem.value(&plan.trajectory));
-    let close = realized - planned <= BEST * realized.abs().max(planned.abs()) + floor(problem, steps);
-    Ok(plan.status == SolveStatus::Converged && close)
+    let floor = floor(problem, steps);
+    let close = realized - planned <= BEST * realized.abs().max(planned.abs()) + floor;
+    // Of a cost that is not worth mentioning, there is not much to be saved.
+    let settled = plan.status == SolveStatus::Converged || realized.abs() <= floor;
+    Ok(settled && close)
 }
 
 /// The plan from the guess, where it converges.
