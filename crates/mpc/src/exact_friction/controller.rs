@@ -471,7 +471,7 @@ impl Controller for StickSlipController {
         for row in &ocp.parameters {
             check_length("a row of parameters", row.len(), self.settings.live_parameters.len())?;
         }
-        if ocp.finite_ends() != self.problem.ocp.finite_ends() {
+        if ocp.layout_of_bounds() != self.problem.ocp.layout_of_bounds() {
             let shooter = Shooter::of_problem(&self.dynamics, &ocp);
             self.qp = Qp::new(&ocp, ocp.steps, shooter.closure(), self.settings.qp);
         }

@@ -3,7 +3,9 @@
 use super::bounds::{Bounds, Softness};
 use super::constraint::PathConstraint;
 use super::cost_names::{CostKind, CostNames, CostPoint, Remembered};
+use super::cost_norms::CostNorms;
 use super::cost_parts::CostParts;
+use super::norm_widths::Widths;
 use super::vector_function::VectorFunction;
 use crate::error::{MpcError, check_length};
 use bracketry_native::{Function, Workspace};
@@ -15,7 +17,7 @@ use bracketry_system::System;
 ///
 /// Squares w r² with w > 0 have the Gauss–Newton Hessian 2 w ∇r ∇rᵀ with respect to (x, u), which is exact where r is affine. That
 /// of the rest is exact where it is positive semidefinite; elsewhere the negative eigenvalues of each connected block are clipped
-/// to zero. Absolute values w |e| and w max(a, b) with w > 0 are not differentiated: in a program, slacks take their place.
+/// to zero. Norms are rounded where they vanish, in derivatives and for the solvers. Absolute values w |e| and w max(a, b) with w > 0 are not differentiated: in a program, slacks take their place.
 #[derive(Clone)]
 pub struct CostFunction {
     variables: usize,
@@ -30,6 +32,7 @@ pub struct CostFunction {
     absolute: Vec<PathConstraint>,
     components: Vec<Vec<usize>>,
     pattern: Vec<(usize, usize)>,
+    widths: Widths,
     arguments: Vec<f64>,
     work: Workspace,
     out: Vec<f64>,
@@ -97,7 +100,11 @@ impl CostFunction {
         let mut all = variables.clone();
         all.push(time);
         all.extend(references);
-        let parts = CostParts::of(pool, cost, &variables);
+        let norms = CostNorms::of(pool, cost, &variables);
+        let cost = norms.cost;
+        all.extend(&norms.widths);
+        let widths = norms.compile(pool, &all, variables.len())?;
+        let parts = CostParts::of(pool, cost, &variables, &norms.rounded);
         let absolute = parts.absolute.iter().map(|term| {
             let function = VectorFunction::compile(pool, time, states, inputs, references, &[term.residual])?;
             let softness = Softness::Soft { linear: term.weight, quadratic: 0.0 };
@@ -127,7 +134,7 @@ impl CostFunction {
         let exact = pool.hessian(smooth, &variables);
         let entries = entries_of(pool, &exact);
         let mut links: Vec<(usize, usize)> = entries.clone();
-        let squares = (!parts.squares.is_empty()).then(|| {
+        let squares = parts.has_squares().then(|| {
             let rest = pool.hessian(parts.rest, &variables);
             [entries_of(pool, &rest), entries_of(pool, &gauss_newton)]
         });
@@ -155,6 +162,7 @@ impl CostFunction {
             scratch: Vec::new(),
             components,
             pattern,
+            widths,
             arguments: vec![0.0; all.len()],
             work: Workspace::default(),
         })
@@ -179,12 +187,25 @@ impl CostFunction {
         self.arguments[..n].copy_from_slice(x);
         self.arguments[n..n + m].copy_from_slice(u);
         self.arguments[n + m] = t;
-        self.arguments[n + m + 1..].copy_from_slice(r);
+        self.arguments[n + m + 1..][..self.references].copy_from_slice(r);
+    }
+
+    /// Rounds norms by this share of their sizes, in values too; 0 makes them exact.
+    pub(crate) fn round_norms(&mut self, share: f64) {
+        self.widths.set_share(share);
+    }
+
+    /// Finds the sizes of norms; false where there are none.
+    pub(crate) fn measure_norms(&mut self, at: CostPoint<'_>, sizes: &[f64]) -> bool {
+        self.widths.measure(at, sizes);
+        !self.widths.are_none()
     }
 
     /// The value l(x, u, t, r).
     pub fn value(&mut self, x: &[f64], u: &[f64], t: f64, r: &[f64]) -> f64 {
         self.load(x, u, t, r);
+        let first = self.variables + 1 + self.references;
+        self.arguments[first..].iter_mut().zip(self.widths.of_values()).for_each(|(a, w)| *a = w);
         let mut out = [0.0];
         self.value.call(&self.arguments, &mut self.work, &mut out);
         out[0]
@@ -198,6 +219,8 @@ impl CostFunction {
     /// Adds `weight` times the gradient; the Hessian is then in `full`.
     fn differentiate(&mut self, at: CostPoint<'_>, weight: f64, gradient: &mut [f64]) {
         self.load(at.x, at.u, at.t, at.r);
+        let first = self.variables + 1 + self.references;
+        self.arguments[first..].iter_mut().zip(self.widths.of_derivatives()).for_each(|(a, w)| *a = w);
         self.derivatives.call(&self.arguments, &mut self.work, &mut self.out);
         let n = self.variables;
         for (g, v) in gradient.iter_mut().zip(&self.out[1..=n]) {

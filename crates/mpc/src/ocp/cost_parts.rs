@@ -1,4 +1,4 @@
-//! The parts of a cost: weighted squares, weighted absolute values, and the rest.
+//! The parts of a cost: weighted squares, weighted absolute values, weighted norms, and the rest.
 //!
 //! A square w r² has the positive semidefinite Gauss–Newton Hessian 2 w ∇r ∇rᵀ, which stays a good model where the exact one
 //! 2 w (∇r ∇rᵀ + r ∇²r) is indefinite. An absolute value w |e| has no derivative where e = 0, which is where it is small: in a
@@ -16,29 +16,36 @@ pub(super) struct Term {
     pub(super) residual: Expr,
 }
 
-/// The sum Σ w r² + Σ w |e| + rest.
+/// The sum Σ w r² + Σ w |e| + Σ w √(Σ c r²) + rest.
 #[derive(Debug)]
 pub(super) struct CostParts {
     /// Squares whose residual is not affine in the variables; those of affine ones stay in the rest, whose Hessian they have.
     pub(super) squares: Vec<Term>,
     pub(super) absolute: Vec<Term>,
+    /// Norms, with residuals that are norms as a whole.
+    pub(super) norms: Vec<Term>,
     pub(super) rest: Expr,
 }
 
 impl CostParts {
-    /// Takes a cost apart.
-    pub(super) fn of(pool: &mut Pool, cost: Expr, variables: &[Symbol]) -> Self {
-        let mut parts = Self { squares: Vec::new(), absolute: Vec::new(), rest: pool.int(0) };
+    /// Takes a cost apart, with these norms among its terms.
+    pub(super) fn of(pool: &mut Pool, cost: Expr, variables: &[Symbol], norms: &[Expr]) -> Self {
+        let mut parts = Self { squares: Vec::new(), absolute: Vec::new(), norms: Vec::new(), rest: pool.int(0) };
         let one = pool.int(1);
-        parts.add(pool, one, cost, variables);
-        if parts.squares.is_empty() && parts.absolute.is_empty() {
+        parts.add(pool, one, cost, (variables, norms));
+        if parts.squares.is_empty() && parts.absolute.is_empty() && parts.norms.is_empty() {
             // As it was written, so that it is computed as it was written.
             parts.rest = cost;
         }
         parts
     }
 
-    /// The sum of the squares and its Gauss–Newton Hessian 2 Σ w ∇r ∇rᵀ.
+    /// Whether the programs have another Hessian than that of the rest.
+    pub(super) fn has_squares(&self) -> bool {
+        !(self.squares.is_empty() && self.norms.is_empty())
+    }
+
+    /// The sum of the squares and norms and its Gauss–Newton Hessian 2 Σ w ∇r ∇rᵀ + Σ w/s Σ c ∇r ∇rᵀ, with s the value of a norm.
     pub(super) fn sum_of_squares(&self, pool: &mut Pool, variables: &[Symbol]) -> (Expr, Vec<Vec<Expr>>) {
         let zero = pool.int(0);
         let mut sum = zero;
@@ -48,24 +55,28 @@ impl CostParts {
             let square = pool.powi(term.residual, 2);
             let weighted = pool.mul(term.factor, square);
             sum = pool.add(sum, weighted);
-            let gradient = pool.gradient(term.residual, variables);
             let twice = pool.mul(two, term.factor);
-            for (row, &a) in hessian.iter_mut().zip(&gradient) {
-                let scaled = pool.mul(twice, a);
-                for (h, &b) in row.iter_mut().zip(&gradient) {
-                    let product = pool.mul(scaled, b);
-                    *h = pool.add(*h, product);
-                }
+            add_outer_product(pool, &mut hessian, twice, term.residual, variables);
+        }
+        for term in &self.norms {
+            let weighted = pool.mul(term.factor, term.residual);
+            sum = pool.add(sum, weighted);
+            let inverse = pool.powi(term.residual, -1);
+            for (factor, residual) in squares_of(pool, term.residual).unwrap_or_default() {
+                let factor = pool.mul(factor, inverse);
+                let factor = pool.mul(factor, term.factor);
+                add_outer_product(pool, &mut hessian, factor, residual, variables);
             }
         }
         (sum, hessian)
     }
 
     /// Adds `factor` times `e`.
-    fn add(&mut self, pool: &mut Pool, factor: Expr, e: Expr, variables: &[Symbol]) {
+    fn add(&mut self, pool: &mut Pool, factor: Expr, e: Expr, among: (&[Symbol], &[Expr])) {
+        let (variables, norms) = among;
         if let Node::Add(a, b) = pool.node(e) {
-            self.add(pool, factor, a, variables);
-            self.add(pool, factor, b, variables);
+            self.add(pool, factor, a, among);
+            self.add(pool, factor, b, among);
             return;
         }
         let (mut constant, mut varying) = (factor, Vec::new());
@@ -80,7 +91,7 @@ impl CostParts {
         if let &[only] = varying.as_slice() {
             match pool.node(only) {
                 // w (a + b) is a sum, and so is w max(a, b) = w/2 (a + b + |a − b|).
-                Node::Add(..) => return self.add(pool, constant, only, variables),
+                Node::Add(..) => return self.add(pool, constant, only, among),
                 Node::Call2(kind @ (Func2::Max | Func2::Min), a, b) if number(pool, constant).is_some() => {
                     let half = pool.ratio(1, 2);
                     let half = pool.mul(half, constant);
@@ -88,9 +99,9 @@ impl CostParts {
                     let distance = pool.call(Func::Abs, difference);
                     let signed = if kind == Func2::Min { pool.neg(half) } else { half };
                     if number(pool, signed).is_some_and(|w| w > 0.0) {
-                        self.add(pool, half, a, variables);
-                        self.add(pool, half, b, variables);
-                        return self.add(pool, signed, distance, variables);
+                        self.add(pool, half, a, among);
+                        self.add(pool, half, b, among);
+                        return self.add(pool, signed, distance, among);
                     }
                 }
                 _ => {}
@@ -102,6 +113,11 @@ impl CostParts {
             {
                 return self.absolute.push(Term { weight, factor: constant, residual });
             }
+            if let &[only] = varying.as_slice()
+                && norms.contains(&only)
+            {
+                return self.norms.push(Term { weight, factor: constant, residual: only });
+            }
             if let Some(residual) = root(pool, &varying)
                 && !is_affine(pool, residual, variables)
             {
@@ -110,6 +126,18 @@ impl CostParts {
         }
         let product = varying.into_iter().fold(constant, |p, e| pool.mul(p, e));
         self.rest = pool.add(self.rest, product);
+    }
+}
+
+/// Adds `factor` times ∇r ∇rᵀ.
+fn add_outer_product(pool: &mut Pool, hessian: &mut [Vec<Expr>], factor: Expr, residual: Expr, variables: &[Symbol]) {
+    let gradient = pool.gradient(residual, variables);
+    for (row, &a) in hessian.iter_mut().zip(&gradient) {
+        let scaled = pool.mul(factor, a);
+        for (h, &b) in row.iter_mut().zip(&gradient) {
+            let product = pool.mul(scaled, b);
+            *h = pool.add(*h, product);
+        }
     }
 }
 
@@ -123,6 +151,35 @@ fn root(pool: &mut Pool, factors: &[Expr]) -> Option<Expr> {
         root = pool.mul(root, power);
     }
     Some(root)
+}
+
+/// The squares c r² whose sum has this square root; none where it is another expression, or cannot vanish.
+pub(super) fn squares_of(pool: &mut Pool, e: Expr) -> Option<Vec<(Expr, Expr)>> {
+    let Node::Pow(base, exponent) = pool.node(e) else { return None };
+    if number(pool, exponent) != Some(0.5) {
+        return None;
+    }
+    let (mut squares, mut left) = (Vec::new(), vec![base]);
+    while let Some(e) = left.pop() {
+        if let Node::Add(a, b) = pool.node(e) {
+            left.extend([b, a]);
+            continue;
+        }
+        let (mut factor, mut factors, mut product) = (pool.int(1), Vec::new(), vec![e]);
+        while let Some(e) = product.pop() {
+            match pool.node(e) {
+                Node::Mul(a, b) => product.extend([b, a]),
+                _ if number(pool, e).is_some() => factor = pool.mul(factor, e),
+                _ => factors.push(e),
+            }
+        }
+        let positive = number(pool, factor).is_some_and(|c| c > 0.0);
+        if !positive || factors.is_empty() {
+            return None;
+        }
+        squares.push((factor, root(pool, &factors)?));
+    }
+    Some(squares)
 }
 
 fn is_affine(pool: &mut Pool, e: Expr, variables: &[Symbol]) -> bool {
@@ -153,7 +210,7 @@ mod tests {
         let mut pool = Pool::new();
         let variables = ["x", "u"].map(|n| pool.symbol(n));
         let e = pool.parse(text).unwrap();
-        let parts = CostParts::of(&mut pool, e, &variables);
+        let parts = CostParts::of(&mut pool, e, &variables, &[]);
         (pool, parts)
     }
 

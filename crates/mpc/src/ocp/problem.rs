@@ -163,12 +163,17 @@ impl Ocp {
         if self.state_size.is_empty() { &self.state_scale } else { &self.state_size }
     }
 
-    /// Which ends of bounds are finite: the layout of programs depends on it.
-    pub(crate) fn finite_ends(&self) -> Vec<bool> {
+    /// Which inputs cannot move.
+    pub(crate) fn fixed_inputs(&self) -> impl Iterator<Item = bool> + '_ {
+        self.input_bounds.iter().map(|b| b.0 >= b.1)
+    }
+
+    /// Which ends of bounds are finite, and which inputs cannot move: the layout of programs depends on it.
+    pub(crate) fn layout_of_bounds(&self) -> Vec<bool> {
         let states = self.state_bounds.iter().map(|b| (b.min, b.max));
         let paths = self.path_constraints.iter().map(|c| (c.bounds.min, c.bounds.max));
         let ends = states.chain(self.input_bounds.iter().copied()).chain(paths);
-        ends.flat_map(|b| [b.0.is_finite(), b.1.is_finite()]).collect()
+        ends.flat_map(|b| [b.0.is_finite(), b.1.is_finite()]).chain(self.fixed_inputs()).collect()
     }
 
     /// Brings every bound closer to its middle by `fraction` of the half-width (one-sided bounds stay): room for feedback.
@@ -277,6 +282,21 @@ impl Ocp {
     /// Stage and terminal costs of a trajectory that starts at grid point `k0` of the run, without penalties.
     pub(crate) fn cost(&mut self, k0: usize, trajectory: &PlannedTrajectory) -> f64 {
         self.costs(k0, trajectory).total()
+    }
+
+    /// Rounds the norms of the costs by this share of their sizes; false where there are none.
+    pub(crate) fn round_norms(&mut self, share: f64) -> bool {
+        let (mut x, u) = (self.sizes().to_vec(), self.input_trust.clone());
+        x.resize(self.states(), 1.0);
+        let row = row(&self.references, 0);
+        let mut any = false;
+        for (cost, u) in [(&mut self.stage, &u[..]), (&mut self.terminal, &[])] {
+            let Some(cost) = cost else { continue };
+            let sizes: Vec<f64> = x.iter().chain(u).copied().collect();
+            any |= cost.measure_norms(CostPoint { x: &x, u, t: 0.0, r: &row[..cost.references()] }, &sizes);
+            cost.round_norms(share);
+        }
+        any
     }
 
     /// The parts of [`Ocp::cost`].

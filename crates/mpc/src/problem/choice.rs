@@ -72,12 +72,14 @@ impl ControlProblem {
         let reference = plan.as_ref().filter(|plan| is_solved(plan)).map(|plan| &plan.trajectory);
         let trial = self.try_one_program(feedback, self.start(), reference)?;
         let change = self.change(&trial, feedback, reference.is_none())?;
+        // Programs that agree with each other show nothing where the solution that they are to agree with was not found.
+        let comparable = reference.is_some() || plan.is_none();
         let single = |reason| -> Result<(Self, Prepared), MpcError> {
             let problem = self.with_method(Method::Rti { initial_iterations: 1, feedback }, reason);
             let controller = Box::new(problem.receding(feedback, problem.start())?);
             Ok((problem, Prepared { controller, plan: None, predicted: trial.predicted }))
         };
-        if let Some(change) = change.filter(|c| *c <= SETTLED) {
+        if let Some(change) = change.filter(|c| comparable && *c <= SETTLED) {
             return single(MethodReason::Settled { change });
         }
         let solution = match plan {

@@ -15,6 +15,7 @@ mod note_text;
 mod notes;
 mod on_plant;
 mod open_loop;
+mod progress;
 mod report;
 mod rounding;
 mod run;

@@ -133,6 +133,10 @@ impl fmt::Display for Note {
                 counted(*of, "sample", "samples")
             ),
             Note::PlanNotConverged => f.write_str("the plan did not converge: give a [guess], or raise max_iterations"),
+            Note::ChosenWithoutPlan => f.write_str(
+                "no plan converged, and the method is one QP per sample: the inputs may be far from optimal; give a [guess], \
+                 or [scale] near the real sizes, or write a smooth cost",
+            ),
             Note::NotHeld { count, reached, left } => write!(
                 f,
                 "after the plan ends, rest inputs ({}) do not hold the reached state: the stage cost goes from {} to \

@@ -150,6 +150,8 @@ pub enum Note {
     },
     /// The plan did not converge.
     PlanNotConverged,
+    /// The method was chosen without a converged plan, and nothing shows that the loop does as well as one.
+    ChosenWithoutPlan,
     /// After the end of the plan, the inputs at rest do not hold what it reached.
     NotHeld {
         /// Number of samples after the end of the plan.
@@ -279,6 +281,7 @@ impl Note {
         match self {
             Self::MostlyInaccurate { .. }
             | Self::PlanNotConverged
+            | Self::ChosenWithoutPlan
             | Self::NotHeld { .. }
             | Self::Grows { .. }
             | Self::NotSettling { .. }

@@ -3,9 +3,10 @@
 
 use super::cause::Cause;
 use super::control_problem::ControlProblem;
-use super::method::{Method, MethodReason};
+use super::method::{Feedback, Method, MethodReason};
 use super::notes::Note;
 use super::open_loop::{Held, Rehearsal};
+use super::progress::{GROSS, Progress};
 use super::signs::jumps;
 use crate::closed_loop::ClosedLoop;
 use crate::error::MpcError;
@@ -13,9 +14,7 @@ use crate::ocp::{HorizonCost, Ocp};
 use crate::sqp::{SolveStatus, Sqp};
 use crate::trajectory::PlannedTrajectory;
 
-/// Share of the larger of two costs beyond which they differ grossly: one is more than ten times the other.
-const GROSS: f64 = 0.9;
-/// The same for a simple input that does better than a loop with one program per sample: it costs less than half.
+/// Share of the larger of two costs by which a simple input does better than a loop with one program per sample: it costs less than half.
 const BETTER: f64 = 0.5;
 /// The same where the loop does next to nothing.
 const IDLE: f64 = 0.1;
@@ -57,8 +56,21 @@ pub(super) fn verdict(
     predicted: HorizonCost,
 ) -> Result<Vec<Note>, MpcError> {
     let mut notes = Vec::new();
+    // What noise, faults and delays cost cannot be told from what the controller does.
+    let conditions = &problem.conditions;
+    let undisturbed = conditions.noise.iter().all(|s| *s == 0.0)
+        && conditions.faults.is_empty()
+        && (conditions.delay == 0 || acts_late(problem))
+        && problem.estimation.is_none()
+        && problem.is_alone()
+        // Nor do intervals that are no samples have a counterpart in the run.
+        && problem.ocp.is_uniform()
+        && run.x.iter().flatten().all(|v| v.is_finite());
+    let balance = undisturbed.then(|| balance(problem, run, plan, predicted));
+    let as_planned = planned && balance.as_ref().is_some_and(|b| b.is_as_planned(problem, run));
     let answered = run.steps.len() - run.counts.played_out;
-    if answered > 1 && 2 * run.counts.inaccurate > answered {
+    let inaccurate = answered > 1 && 2 * run.counts.inaccurate > answered;
+    if inaccurate && !as_planned && !(one_program(problem) && undisturbed && is_as_good_as_a_plan(problem, run)?) {
         notes.push(Note::MostlyInaccurate { count: run.counts.inaccurate, of: answered });
     }
     if !planned && (problem.ocp.targets.is_empty() || problem.ends_early()) {
@@ -76,6 +88,9 @@ pub(super) fn verdict(
         // Whatever else is wrong follows from it.
         notes.push(note);
         return Ok(notes);
+    }
+    if matches!(problem.method_reason, MethodReason::NotConverging) && !is_as_good_as_a_plan(problem, run)? {
+        notes.push(Note::ChosenWithoutPlan);
     }
     let cause = cause(problem, run, planned);
     let end = run.x.last().unwrap_or(&problem.x0);
@@ -98,20 +113,11 @@ pub(super) fn verdict(
             notes.extend(other_start(problem, problem.value(plan))?);
         }
     }
-    // What noise, faults and delays cost cannot be told from what the controller does.
-    let conditions = &problem.conditions;
-    let undisturbed = conditions.noise.iter().all(|s| *s == 0.0)
-        && conditions.faults.is_empty()
-        && (conditions.delay == 0 || acts_late(problem))
-        && problem.estimation.is_none()
-        && problem.is_alone()
-        // Nor do intervals that are no samples have a counterpart in the run.
-        && problem.ocp.is_uniform();
-    if !undisturbed || !run.x.iter().flatten().all(|v| v.is_finite()) {
-        return Ok(notes);
-    }
-    let balance = balance(problem, run, plan, predicted);
-    let (first, last) = ends(problem, run);
+    let Some(balance) = balance else { return Ok(notes) };
+    // The trajectory that one program per sample starts from is no plan to be judged by.
+    let judge = if one_program(problem) && differs(problem) { converged_plan(problem)? } else { None };
+    let progress = Progress::of(problem, run, judge.as_ref().unwrap_or(plan));
+    let Progress { first, last, .. } = progress;
     let falls = last < 0.5 * first;
     let ends_with_plan = matches!(problem.method, Method::Plan { .. });
     notes.extend(balance.note(ends_with_plan, GROSS, cause).filter(|_| !one_program(problem) || !falls));
@@ -119,19 +125,19 @@ pub(super) fn verdict(
     let per_interval = balance.floor / (problem.ocp.dt * balance.intervals.max(1) as f64);
     // References and live parameters may make a cost grow that was well served.
     let constant = problem.ocp.references.is_empty() && problem.ocp.parameters.is_empty();
-    if notes.is_empty() && constant && last - first > GROSS * first.abs().max(last.abs()) + per_interval {
+    // A target met, and a plan followed, are what was asked for, whatever is paid on the way.
+    let done = as_planned || !problem.ocp.targets.is_empty() && !problem.ends_early();
+    if notes.is_empty() && constant && !done && progress.grows(per_interval) {
         notes.push(Note::Grows { first, last, cause });
     }
-    if acts_late(problem) && notes.is_empty() && constant {
-        notes.extend(not_settling(problem, plan, last, per_interval));
+    if notes.is_empty() && constant && progress.does_not_settle(acts_late(problem), differs(problem), per_interval) {
+        notes.push(Note::NotSettling { last, planned: progress.planned_last, cause });
     }
     let same = problem.plant.dynamics.len() == problem.system.dynamics.len() && !differs(problem);
     let whole = balance.intervals == problem.ocp.steps && problem.ocp.targets.is_empty();
     if whole && same && one_program(problem) && notes.is_empty() && !acts_late(problem) {
         notes.extend(loop_outdone(problem, run, &balance)?);
-        let doubtful = problem.stays(run.u.iter().map(Vec::as_slice))
-            || matches!(problem.method_reason, MethodReason::NotConverging);
-        if doubtful && notes.is_empty() {
+        if notes.is_empty() && problem.stays(run.u.iter().map(Vec::as_slice)) {
             notes.extend(other_start(problem, balance.realized.total())?);
         }
     }
@@ -224,6 +230,30 @@ fn plan_outdone(problem: &ControlProblem, plan: &PlannedTrajectory) -> Result<Op
     Ok(better.map(|held| outdone(&problem, &held, stays, planned)))
 }
 
+/// Whether a plan converges from what the loop did over the horizon, and does not cost less; or there is not much to be saved.
+fn is_as_good_as_a_plan(problem: &ControlProblem, run: &ClosedLoop) -> Result<bool, MpcError> {
+    let steps = problem.ocp.steps;
+    if run.u.len() < steps || !problem.ocp.is_uniform() || !problem.is_alone() {
+        return Ok(false);
+    }
+    let Ok(done) = PlannedTrajectory::from_rows(&run.x[..=steps], &run.u[..steps]) else { return Ok(false) };
+    let mut sqp = Sqp::new(problem.dynamics()?, problem.ocp.clone(), problem.sqp_settings())?;
+    let plan = sqp.solve(&problem.initial_state(), &done)?;
+    let (realized, planned) = (problem.value(&done), problem.value(&plan.trajectory));
+    let floor = floor(problem, steps);
+    let close = realized - planned <= BEST * realized.abs().max(planned.abs()) + floor;
+    // Of a cost that is not worth mentioning, there is not much to be saved.
+    let settled = plan.status == SolveStatus::Converged || realized.abs() <= floor;
+    Ok(settled && close)
+}
+
+/// The plan from the guess, where it converges.
+fn converged_plan(problem: &ControlProblem) -> Result<Option<PlannedTrajectory>, MpcError> {
+    let mut sqp = Sqp::new(problem.dynamics()?, problem.ocp.clone(), problem.sqp_settings())?;
+    let plan = problem.first_solution(&mut sqp, Feedback::default())?;
+    Ok((plan.status == SolveStatus::Converged).then_some(plan.trajectory))
+}
+
 /// A plan from another start that costs much less than `planned`: from inputs at rest, or from waves where those are the guess.
 fn other_start(problem: &ControlProblem, planned: f64) -> Result<Option<Note>, MpcError> {
     let steps = problem.ocp.steps;
@@ -314,6 +344,15 @@ fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &PlannedTrajectory,
 }
 
 impl Balance {
+    /// Whether a run within the horizon costs what a converged plan says.
+    fn is_as_planned(&self, problem: &ControlProblem, run: &ClosedLoop) -> bool {
+        let converged = !one_program(problem) || matches!(problem.method_reason, MethodReason::Settled { .. });
+        let (realized, planned) = (self.realized.total(), self.planned.total());
+        converged
+            && run.u.len() <= self.intervals
+            && realized - planned <= BEST * realized.abs().max(planned.abs()) + self.floor
+    }
+
     /// The note on a loop that costs more than its plan by more than `share` of the larger one. A plan is tracked to its end, and its
     /// terminal cost counts. A horizon that moves on never ends: its terminal cost stands for what comes after it, so that stage costs
     /// compare, and terminal costs only where that of the loop does not fall over the whole run.
@@ -370,15 +409,6 @@ fn one_program(problem: &ControlProblem) -> bool {
     matches!(problem.method, Method::Rti { .. })
 }
 
-/// Mean stage cost of the first and the last quarter of the samples.
-fn ends(problem: &ControlProblem, run: &ClosedLoop) -> (f64, f64) {
-    let mut ocp = problem.ocp.clone();
-    let costs: Vec<f64> = run.u.iter().enumerate().map(|(k, u)| ocp.stage_cost(k, run.t[k], &run.x[k], u)).collect();
-    let quarter = costs.len().div_ceil(4);
-    let mean = |part: &[f64]| part.iter().sum::<f64>() / quarter as f64;
-    (mean(&costs[..quarter]), mean(&costs[costs.len() - quarter..]))
-}
-
 /// Whether plant and controller's model are different.
 fn differs(problem: &ControlProblem) -> bool {
     match (problem.plant.to_toml(), problem.system.to_toml()) {
@@ -391,17 +421,6 @@ fn differs(problem: &ControlProblem) -> bool {
 fn acts_late(problem: &ControlProblem) -> bool {
     let (delay, compensated) = problem.delay_of_plant();
     delay > compensated as f64 + 0.5
-}
-
-/// Whether the stage cost at the end of the run is far from what the plan falls to.
-fn not_settling(problem: &ControlProblem, plan: &PlannedTrajectory, last: f64, floor: f64) -> Option<Note> {
-    let mut ocp = problem.ocp.clone();
-    let steps = plan.steps();
-    let mut stage = |k: usize| ocp.stage_cost(k, k as f64 * ocp.dt, plan.x(k), plan.u(k));
-    let quarter = steps.div_ceil(4);
-    let planned = (steps - quarter..steps).map(&mut stage).sum::<f64>() / quarter as f64;
-    let far = problem.samples >= steps && last - planned > GROSS * last.abs().max(planned.abs()) + floor;
-    far.then_some(Note::NotSettling { last, planned, cause: Cause::Delay })
 }
 
 /// What probably lies behind a run that does not do what was planned.

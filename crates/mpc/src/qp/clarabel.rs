@@ -111,6 +111,12 @@ impl QpBackend for Clarabel {
         if !(finite(&self.p.nzval) && finite(&self.q) && finite(&self.a.nzval) && finite(&self.b)) {
             return Ok(QpStatus::NotANumber);
         }
+        if self.p.n == 0 {
+            // Without inputs, every state follows from the first one, and the solver takes no empty program.
+            solution.iterations = 0;
+            self.condensing.recover(&[], &vec![0.0; self.b.len()], solution, program.states);
+            return Ok(QpStatus::Solved);
+        }
         if self.solver.is_none() {
             self.solver = self.build(self.settings)?;
         }

@@ -47,6 +47,8 @@ pub(crate) struct NonlinearProgram {
     terminal: Vec<f64>,
     /// Sizes of the states.
     sizes: Vec<f64>,
+    /// Which of (x, u) are inputs that cannot move. They are no variables: their bounds have no interior.
+    fixed: Vec<bool>,
 }
 
 impl NonlinearProgram {
@@ -86,9 +88,14 @@ impl NonlinearProgram {
         }
         let mut curved = vec![false; p.right.len()];
         assembly.path.iter().flat_map(|path| &path.sides).for_each(|side| curved[side.1] = true);
+        let fixed: Vec<bool> = vec![false; p.states].into_iter().chain(ocp.fixed_inputs()).collect();
         let mut rows = Vec::new();
-        for (number, (entries, slack)) in layout.into_iter().enumerate() {
+        for (number, (mut entries, slack)) in layout.into_iter().enumerate() {
             let k = p.row_stage[number];
+            if !entries.is_empty() && slack.is_none() && entries.iter().all(|&(place, _)| fixed[place]) {
+                // Nothing can change it.
+                continue;
+            }
             if let Some(s) = slack {
                 slacks[s].k = k;
                 if entries.is_empty() { slacks[s].bound = Some(rows.len()) } else { slacks[s].softens.push(rows.len()) }
@@ -99,6 +106,7 @@ impl NonlinearProgram {
                 &[(place, _)] if place < p.states && !curved[number] => ocp.sizes()[place],
                 _ => p.row_scale[number],
             };
+            entries.retain(|&(place, _)| !fixed[place]);
             rows.push(NonlinearRow { k, number, entries, slack, scale });
         }
         for s in &mut slacks {
@@ -116,7 +124,7 @@ impl NonlinearProgram {
             absolute.extend(row.and_then(|row| Some((row, slacks[rows[row].slack?].linear))));
         }
         let terminal = vec![0.0; p.states * p.states];
-        Some(Self { assembly, rows, slacks, absolute, terminal, sizes: ocp.sizes().to_vec() })
+        Some(Self { assembly, rows, slacks, absolute, terminal, sizes: ocp.sizes().to_vec(), fixed })
     }
 
     fn program(&self) -> &StageProgram {
@@ -127,6 +135,11 @@ impl NonlinearProgram {
     pub(crate) fn size(&self, v: usize) -> f64 {
         let p = self.program();
         if v < p.states { self.sizes[v] } else { p.scale[p.input(0, v - p.states)] }
+    }
+
+    /// Whether variable v of the list (x, u) is an input that cannot move.
+    pub(crate) fn is_fixed(&self, v: usize) -> bool {
+        self.fixed[v]
     }
 
     /// Number of rows of the stage program.
@@ -199,12 +212,13 @@ impl NonlinearProgram {
     /// Gradient of the cost with respect to (x_k, u_k); n entries at the end.
     pub(crate) fn add_gradient(&self, k: usize, factor: f64, to: &mut [f64]) {
         let p = self.program();
-        for (v, g) in to.iter_mut().enumerate() {
+        for (v, g) in to.iter_mut().enumerate().filter(|(v, _)| !self.fixed[*v]) {
             *g += p.variable(k, v).map_or(0.0, |variable| factor * p.gradient[variable]);
         }
     }
 
-    /// Adds `factor` times the exact block of grid point k: n + m rows of n + m, or n rows of n at the end.
+    /// Adds `factor` times the exact block of grid point k: n + m rows of n + m, or n rows of n at the end. The curvature of an input that
+    /// cannot move is 1.
     pub(crate) fn add_block(&self, k: usize, factor: f64, to: &mut [f64]) {
         let p = self.program();
         if k == p.steps {
@@ -219,6 +233,11 @@ impl NonlinearProgram {
             if i != j {
                 to[j * w + i] += h;
             }
+        }
+        for v in (0..w).filter(|v| self.fixed[*v]) {
+            to[v * w..(v + 1) * w].fill(0.0);
+            to.iter_mut().skip(v).step_by(w).for_each(|h| *h = 0.0);
+            to[v * w + v] = 1.0;
         }
     }
 

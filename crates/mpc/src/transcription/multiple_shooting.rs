@@ -4,7 +4,7 @@ use super::merit::Merit;
 use super::shooting::{Grid, Shooter, ShootingLinearization};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
-use crate::ocp::{Ocp, Substeps};
+use crate::ocp::{FINEST_ROUNDING, Ocp, Substeps};
 use crate::trajectory::PlannedTrajectory;
 
 /// Largest product of step and relaxation rate; the method of order 4 is stable up to 2.78 on the negative real axis.
@@ -27,8 +27,9 @@ fn grid(ocp: &Ocp, k0: usize, substeps: usize) -> Grid<'_> {
 }
 
 impl Transcription {
-    pub(crate) fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp) -> Result<Self, MpcError> {
+    pub(crate) fn new(dynamics: Box<dyn Dynamics>, mut ocp: Ocp) -> Result<Self, MpcError> {
         ocp.check(dynamics.states(), dynamics.inputs())?;
+        ocp.round_norms(FINEST_ROUNDING);
         for row in &ocp.parameters {
             check_length("a row of parameters", row.len() + ocp.branch_parameters(0).len(), dynamics.parameters())?;
         }
@@ -55,7 +56,7 @@ impl Transcription {
             let found = row.len() + ocp.branch_parameters(0).len();
             check_length("a row of parameters", found, self.dynamics.parameters())?;
         }
-        let relaid = ocp.finite_ends() != self.ocp.finite_ends();
+        let relaid = ocp.layout_of_bounds() != self.ocp.layout_of_bounds();
         self.ocp = ocp;
         Ok(relaid)
     }

@@ -86,6 +86,7 @@ impl System {
             for (to, from) in flow.chunks_exact_mut(stride).zip(jacobian.chunks_exact(w)) {
                 to[..w - n].copy_from_slice(&from[n..]);
                 to[w - n..stride - 1].copy_from_slice(&from[..stride - 1 - (w - n)]);
+                (n..w).filter(|v| of.program.is_fixed(*v)).for_each(|v| to[v - n] = 0.0);
             }
         }
         let mut shift = least;

@@ -4,6 +4,7 @@ use super::super::filter::{Filter, Verdict, WIDEST};
 use super::direction::{Direction, Model, System, corrected};
 use super::iterate::{Evaluator, Iterate, Values};
 use crate::error::{MpcError, check_flag};
+use crate::ocp::FINEST_ROUNDING;
 use crate::qp::NonlinearProgram;
 use crate::trajectory::PlannedTrajectory;
 use crate::transcription::{Merit, Transcription};
@@ -17,6 +18,8 @@ pub(crate) const BARRIERS: [f64; 3] = [0.1, 1.0, 1e-3];
 /// The error relative to the barrier at which it falls, and how it does.
 const CENTERED: f64 = 10.0;
 const FALL: f64 = 0.2;
+/// The first width of norms, as a share of their sizes.
+const WIDEST_ROUNDING: f64 = 0.1;
 /// The last barrier, relative to the tolerance.
 const LEAST_BARRIER: f64 = 0.1;
 /// What all distances may cost at the end, relative to the objective; where they cost more, the objective gets another unit if that is so
@@ -73,6 +76,8 @@ pub(crate) struct InteriorPoint<'a> {
     pub(super) at: Iterate,
     pub(super) now: Values,
     pub(super) barrier: f64,
+    /// Width of the norms of the cost as a share of their sizes: it falls with the barrier, which keeps first steps from the edges of norms too.
+    rounding: f64,
     /// Whether the inputs were simulated in place of a restoration.
     pub(super) simulated: bool,
     /// Curvature that was added because steps were short.
@@ -99,6 +104,18 @@ impl<'a> InteriorPoint<'a> {
     /// # Errors
     /// Where it is stopped.
     pub(crate) fn solve(
+        problem: &mut Transcription,
+        program: &mut NonlinearProgram,
+        field: &[(usize, usize)],
+        guess: &PlannedTrajectory,
+        settings: (f64, f64, &StopFlag),
+    ) -> Result<Option<InteriorSolution>, MpcError> {
+        let solution = InteriorPoint::iterate(problem, program, field, guess, settings);
+        problem.ocp.round_norms(FINEST_ROUNDING);
+        solution
+    }
+
+    fn iterate(
         problem: &'a mut Transcription,
         program: &'a mut NonlinearProgram,
         field: &'a [(usize, usize)],
@@ -116,7 +133,7 @@ impl<'a> InteriorPoint<'a> {
             let error = method.of.error(&method.at, &method.now, 0.0);
             let gap: f64 = method.at.t.iter().zip(&method.at.v).map(|(t, v)| t * v).sum();
             let small = gap <= GAP * method.now.objective.abs();
-            if error <= tolerance && !small && method.rescale() {
+            if error <= tolerance && (!small && method.rescale() || method.round_norms(FALL * method.rounding)) {
                 continue;
             }
             if error <= tolerance {
@@ -134,6 +151,9 @@ impl<'a> InteriorPoint<'a> {
                 return Ok(None);
             }
             method.lower_barrier();
+            if method.round_norms(method.barrier) {
+                method.now = method.of.differentiate(&method.at, true);
+            }
             if !method.step() {
                 return Ok(None);
             }
@@ -145,15 +165,14 @@ impl<'a> InteriorPoint<'a> {
         let (n, m, steps) = (guess.states(), guess.inputs(), guess.steps());
         let mut z = guess.clone();
         for (j, &(low, high)) in of.problem.ocp.input_bounds.iter().enumerate() {
-            let push = PUSH * of.program.size(n + j);
-            if low + push >= high - push {
-                return None;
-            }
+            // The range of an input may be much smaller than its size; without one, it is no variable.
+            let push = PUSH * of.program.size(n + j).min(high - low);
             (0..steps).for_each(|k| z.u_mut(k)[j] = z.u(k)[j].clamp(low + push, high - push));
         }
         let s: Vec<f64> = of.program.slacks.iter().map(|p| PUSH * p.scale).collect();
         let v = of.program.rows.iter().map(|row| 1.0 / row.scale).collect();
         let at = Iterate { z, s, t: Vec::new(), y: vec![0.0; n * steps], v };
+        let rounding = if of.problem.ocp.round_norms(WIDEST_ROUNDING) { WIDEST_ROUNDING } else { FINEST_ROUNDING };
         let mut method = Self {
             of,
             system: System::new(n, m, steps),
@@ -162,6 +181,7 @@ impl<'a> InteriorPoint<'a> {
             at,
             now: Values::default(),
             barrier,
+            rounding,
             simulated: false,
             damping: 0.0,
             tolerance,
@@ -178,6 +198,18 @@ impl<'a> InteriorPoint<'a> {
         method.first = method.merit();
         method.filter = Filter::new(&method.first, WIDEST[0]);
         Some(method)
+    }
+
+    /// Rounds norms by no more than this share of their sizes; false where they are as sharp.
+    fn round_norms(&mut self, share: f64) -> bool {
+        let share = share.max(FINEST_ROUNDING);
+        if share >= self.rounding {
+            return false;
+        }
+        self.rounding = share;
+        self.of.problem.ocp.round_norms(share);
+        self.filter = Filter::new(&self.first, WIDEST[0]);
+        true
     }
 
     /// Gives the objective the unit that fits where the iterate is; false where it has it. A target that costs much from afar makes that of the

@@ -1,0 +1,84 @@
+//! Norms in costs, which have no derivative at the goal that they lead to.
+
+use crate::common::noise::Noise;
+use crate::common::reports::run;
+use bracketry_mpc::problem::{MethodReason, Note};
+
+const POINT: &str = "states = [\"x\", \"y\"]\ninputs = [\"vx\", \"vy\"]\ndynamics = { x = \"vx\", y = \"vy\" }";
+const DRIFTING: &str = "states = [\"x\", \"y\"]\ninputs = [\"vx\", \"vy\"]\n\
+                        dynamics = { x = \"vx + 0.3*sin(y)\", y = \"vy - 0.2*sin(x)\" }";
+
+/// With a number under the root, norms are smooth. Without one, the loop does as well, and arrives.
+#[test]
+fn a_norm_costs_what_its_smooth_neighbor_costs() {
+    let mut noise = Noise::new(3);
+    for model in [POINT, DRIFTING] {
+        for method in ["", "solve = { method = \"rti\", initial_iterations = 10 }\n"] {
+            let (a, b) = (0.4 + 0.6 * noise.uniform(), -0.4 - 0.3 * noise.uniform());
+            let (weight, ratio) = (0.5 + 3.0 * noise.uniform(), 0.5 + noise.uniform());
+            let of = |added: &str| {
+                let distance = format!("sqrt((x - {a:?})^2 + {ratio:?}*(y - {b:?})^2{added})");
+                run(
+                    model,
+                    &format!(
+                        "horizon = {{ steps = 20, dt = 0.1 }}\n\
+                         cost = {{ stage = \"{weight:?}*{distance} + 0.02*(vx^2 + vy^2) + 0.03*sqrt(vx^2 + vy^2{added})\", terminal = \"{distance}\" }}\n\
+                         constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\n{method}run = {{ steps = 40 }}"
+                    ),
+                )
+            };
+            let report = of("");
+            let end = ["x", "y"].map(|n| report.x_final.get(n).copied().unwrap());
+            assert!(report.succeeded && (end[0] - a).abs().max((end[1] - b).abs()) < 1e-3, "{report:?}");
+            if method.is_empty() {
+                let smooth = of(" + 1e-8");
+                assert!(report.closed_loop_cost < 1.002 * smooth.closed_loop_cost, "{report:?} {smooth:?}");
+            }
+        }
+    }
+}
+
+/// One component, several norms in one, and a goal that moves.
+#[test]
+fn norms_of_any_kind_lead_to_their_goal() {
+    for (goal, stage) in [
+        ([0.6, 0.0], "sqrt((x - 0.6)^2) + sqrt(y^2)"),
+        ([0.0, 0.0], "2*sqrt(4*x^2 + 2*(x + y)^2) + sqrt(x^2 + y^2)"),
+        ([0.8, -0.4], "sqrt((x - 0.2*t)^2 + (y + 0.1*t)^2)"),
+    ] {
+        let text = format!(
+            "horizon = {{ steps = 15, dt = 0.1 }}\ncost = {{ stage = \"{stage} + 0.01*(vx^2 + vy^2)\" }}\n\
+             constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\n\
+             run = {{ x0 = {{ x = -0.3, y = 0.5 }}, steps = 40 }}"
+        );
+        let report = run(POINT, &text);
+        let end = ["x", "y"].map(|n| report.x_final.get(n).copied().unwrap());
+        let off = (end[0] - goal[0]).abs().max((end[1] - goal[1]).abs());
+        assert!(report.succeeded && off < 1e-2, "{stage}: {end:?} {:?}", report.notes);
+    }
+}
+
+/// Where no plan converges, a loop of one program per sample that does worse than a plan fails, and says why.
+#[test]
+fn a_method_that_is_chosen_for_want_of_a_plan_is_told() {
+    let mut seen = 0;
+    for power in ["1/4", "1/3", "1/5"] {
+        for goal in [0.7, 1.1] {
+            let text = format!(
+                "horizon = {{ steps = 20, dt = 0.1 }}\n\
+                 cost = {{ stage = \"((x - {goal})^2 + (y - 0.5)^2)^({power}) + 0.01*(vx^2 + vy^2)\" }}\n\
+                 constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\nrun = {{ steps = 40 }}"
+            );
+            let report = run(POINT, &text);
+            let end = ["x", "y"].map(|n| report.x_final.get(n).copied().unwrap());
+            let arrived = (end[0] - goal).abs().max((end[1] - 0.5).abs()) < 0.02;
+            assert!(arrived || !report.succeeded, "{power} {goal}: {report:?}");
+            if matches!(report.method_reason, MethodReason::NotConverging) {
+                seen += 1;
+                let told = report.notes.iter().any(|n| matches!(n, Note::ChosenWithoutPlan));
+                assert_eq!(told, !report.succeeded, "{:?}", report.notes);
+            }
+        }
+    }
+    assert!(seen > 0);
+}
