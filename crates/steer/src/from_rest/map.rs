@@ -58,6 +58,17 @@ impl FromRestMap {
     pub fn is_complete(&self) -> bool {
         self.reason.is_none() && self.cells.iter().flatten().all(Option::is_some)
     }
+
+    /// The answer for a coordinate that follows from other cells: what is reached within smaller bounds is reached within larger ones, and
+    /// what stays at rest within larger bounds stays at rest within smaller ones.
+    fn inferred(&self, coordinate: usize, [row, column]: [usize; 2]) -> Option<Answer> {
+        let known = |j: usize, i: usize| self.cells[j][i].as_ref().map(|answers| answers[coordinate]);
+        let within = |rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| {
+            rows.flat_map(move |j| columns.clone().map(move |i| (j, i))).filter_map(|(j, i)| known(j, i))
+        };
+        let yes = within(0..row + 1, 0..column + 1).find(|a| matches!(a, Answer::Yes { .. }));
+        yes.or_else(|| within(row..self.y.len(), column..self.x.len()).find(|a| *a == Answer::No))
+    }
 }
 
 /// A model whose bounds change.
@@ -192,23 +203,28 @@ pub fn from_rest_map(
             map.thresholds.push(Threshold { coordinate, bound: axes[axis].name.clone(), no_up_to, yes_from });
         }
     }
-    for j in 0..cells {
-        for i in 0..cells {
-            let smaller = [(i > 0).then(|| map.cells[j][i - 1].clone()), (j > 0).then(|| map.cells[j - 1][i].clone())];
-            let smaller: Vec<CellAnswers> = smaller.into_iter().flatten().flatten().collect();
-            // What is reached within smaller bounds is reached within larger ones.
-            let is_yes = |a: &Answer| matches!(a, Answer::Yes { .. });
-            map.cells[j][i] = match smaller.iter().find(|answers| answers.iter().all(is_yes)) {
-                Some(answers) => Some(answers.clone()),
-                None => varied.answers([map.x[i], map.y[j]]).map(|(_, mut answers)| {
-                    for (c, answer) in answers.iter_mut().enumerate().filter(|(_, a)| **a == Answer::Unknown) {
-                        if let Some(known) = smaller.iter().find(|s| is_yes(&s[c])) {
-                            *answer = known[c];
-                        }
-                    }
-                    answers
-                }),
-            };
+    let mut open = vec![[0, cells, 0, cells]];
+    while let Some([bottom, top, left, right]) = open.pop() {
+        for (j, i) in [(bottom, left), (top - 1, right - 1)] {
+            map.cells[j][i] = map.cells[j][i].clone().or_else(|| {
+                let mut answers = varied.answers([map.x[i], map.y[j]])?.1;
+                for (c, answer) in answers.iter_mut().enumerate().filter(|(_, a)| **a == Answer::Unknown) {
+                    *answer = map.inferred(c, [j, i]).unwrap_or(Answer::Unknown);
+                }
+                Some(answers)
+            });
+        }
+        let mut is_whole = true;
+        for (j, i) in (bottom..top).flat_map(|j| (left..right).map(move |i| (j, i))) {
+            if map.cells[j][i].is_none() {
+                map.cells[j][i] = (0..map.coordinates.len()).map(|c| map.inferred(c, [j, i])).collect();
+                is_whole &= map.cells[j][i].is_some();
+            }
+        }
+        if !is_whole && !varied.limit.is_reached() {
+            let (j, i) = (usize::midpoint(bottom, top), usize::midpoint(left, right));
+            let parts = [[bottom, j, left, i], [bottom, j, i, right], [j, top, left, i], [j, top, i, right]];
+            open.extend(parts.into_iter().filter(|p| p[0] < p[1] && p[2] < p[3]));
         }
     }
     Ok(map)
