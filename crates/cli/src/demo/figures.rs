@@ -179,6 +179,13 @@ impl Story {
             let caption = "Influence of the inputs on the states, by round of brackets.";
             first.push(figure("reach", caption, reach.draw()));
         }
+        let caption = "Coordinates that inputs change from rest to rest, over the largest acceleration of the plate (m/s²) and its largest \
+                       tilt (rad).";
+        first.push(figure(
+            "from_rest_map",
+            caption,
+            bracketry::report::from_rest::from_rest_map_figure(&self.from_rest),
+        ));
         let m = &self.on_equations;
         let second = vec![
             figure(

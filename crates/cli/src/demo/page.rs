@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::story::{Story, StoryAnimation};
 use super::text;
+use bracketry::report::from_rest::from_rest_map_text;
 use bracketry::report::html::{self, equations, escaped, heading, paragraph, table, verbatim};
 
 /// What each chapter does, in a sentence.
@@ -65,6 +66,12 @@ impl Story {
             + &equations(affine)
             + &heading(3, "What the inputs reach")
             + &verbatim(&bracketry::report::analysis::text(&self.analysis))
+            + &heading(3, "What changes from rest to rest")
+            + &paragraph(
+                "At rest, dry friction balances small inputs. A coordinate changes only if inputs within the bounds exceed the friction \
+                 cone, and then loops of the inputs move it both ways.",
+            )
+            + &verbatim(&from_rest_map_text(&self.from_rest))
     }
 
     fn table(&self) -> String {

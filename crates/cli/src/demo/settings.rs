@@ -8,6 +8,7 @@ use bracketry::plate::PlateError;
 use bracketry::plate::control::MoveError;
 use bracketry::plate::recording::{RecordingError, RecordingSettings};
 use bracketry::plot::PlotError;
+use bracketry::steer::from_rest::FromRestError;
 
 /// How the story is told.
 #[derive(Clone, Debug)]
@@ -43,6 +44,9 @@ pub enum StoryError {
     /// The published model cannot be analyzed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// The inputs of the published model are not those of a plate.
+    #[error(transparent)]
+    FromRest(#[from] FromRestError),
     /// The logs.
     #[error(transparent)]
     Recording(#[from] RecordingError),

@@ -4,6 +4,7 @@ use bracketry::lie::Analysis;
 use bracketry::plate::Shape;
 use bracketry::plate::recording::SyntheticLog;
 use bracketry::report::Diagnosis;
+use bracketry::steer::from_rest::FromRestMap;
 use bracketry::system::System;
 
 use super::on_equations::MoveOnEquations;
@@ -19,6 +20,8 @@ pub struct Story {
     pub published: System,
     /// Chapter 1: what the inputs of the published model reach.
     pub analysis: Analysis,
+    /// Chapter 1: what changes from rest to rest, over the largest acceleration and tilt.
+    pub from_rest: FromRestMap,
     /// Chapter 2: closed loop on the published equations.
     pub on_equations: MoveOnEquations,
     /// Chapter 3: the same controller on the area-contact plant.

@@ -39,6 +39,7 @@ impl Story {
             "plan": report.plan,
             "effort": {"programs": {"on_equations": own.programs, "published_model": self.as_published.programs,
                 "extended_model": self.extended.as_ref().map(|m| m.programs)}},
+            "from_rest": {"thresholds": self.from_rest.thresholds, "complete": self.from_rest.is_complete()},
             "two_step": {"x_m": x, "y_m": y, "phi_deg": phi, "spin_deg_s": own.two.remaining_spin.to_degrees(),
                          "stages": own.two.stages.iter().map(|s| json!({"name": s.name, "from_s": s.from,
                              "to_s": s.to, "met": s.met})).collect::<Vec<_>>()},

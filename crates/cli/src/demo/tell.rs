@@ -8,7 +8,9 @@ use bracketry::lie::analysis::RankChange;
 use bracketry::lie::{Analysis, AnalysisOptions, analyze};
 use bracketry::plate::control::move_with;
 use bracketry::plate::{Object, Shape, published};
+use bracketry::report::from_rest::from_rest_map_text;
 use bracketry::report::{Diagnosis, diagnosis_text};
+use bracketry::steer::from_rest::{Bound, FromRestMap, FromRestOptions, from_rest_map};
 use bracketry::system::System;
 
 use super::event::{Finding, StoryEvent};
@@ -18,6 +20,9 @@ use super::on_plant::MoveOnPlant;
 use super::settings::{StoryError, StorySettings};
 use super::story::Story;
 use super::text;
+
+/// Cells along each axis of the map from rest to rest.
+const CELLS: usize = 12;
 
 impl Story {
     /// Computes all chapters; `watch` hears of each as it is done. What does not hang on the chapter before runs beside it.
@@ -31,14 +36,14 @@ impl Story {
         let model = published(shape, settings.plant.mu)?;
 
         watch(StoryEvent::Told(text::OPENING));
-        let (analysis, on_equations, as_published, logs) = thread::scope(|beside| {
+        let (OnPublished { analysis, from_rest, on_equations, as_published }, logs) = thread::scope(|beside| {
             let runs = beside.spawn(|| identification_runs(settings));
-            let (analysis, on_equations, as_published) = on_published(&model, shape, settings, watch)?;
+            let found = on_published(&model, shape, settings, watch)?;
             watch(StoryEvent::Told(text::FOURTH));
             watch(StoryEvent::Working(4, "identification runs on the plant"));
-            let mut logs = vec![log_of_move(&as_published, settings)];
+            let mut logs = vec![log_of_move(&found.as_published, settings)];
             logs.extend(joined(runs)?);
-            Ok::<_, StoryError>((analysis, on_equations, as_published, logs))
+            Ok::<_, StoryError>((found, logs))
         })?;
         watch(StoryEvent::Told(&text::of_logs(&logs)));
         watch(StoryEvent::Found(Finding::Logs(&logs)));
@@ -73,6 +78,7 @@ impl Story {
             settings: settings.clone(),
             published: model,
             analysis,
+            from_rest,
             on_equations,
             as_published,
             logs,
@@ -87,18 +93,37 @@ impl Story {
     }
 }
 
+/// What chapters 1 to 3 find.
+struct OnPublished {
+    analysis: Analysis,
+    from_rest: FromRestMap,
+    on_equations: MoveOnEquations,
+    as_published: MoveOnPlant,
+}
+
+/// What changes from rest to rest, over the largest acceleration of the plate and its largest tilt.
+fn from_rest(model: &System) -> Result<FromRestMap, StoryError> {
+    let options =
+        FromRestOptions { bounds: vec![Bound::new("der(theta,2)", -20.0, 20.0)], ..FromRestOptions::default() };
+    let axes = [Bound::new("der(X,2)", 1.0, 5.0), Bound::new("theta", 0.1, 0.5)];
+    Ok(from_rest_map(model, &axes, CELLS, &options)?)
+}
+
 /// Chapters 1 to 3: the published model analyzed, in control of its own equations, and in control of the area-contact plant.
 fn on_published(
     model: &System,
     shape: &Shape,
     settings: &StorySettings,
     watch: &mut dyn FnMut(StoryEvent<'_>),
-) -> Result<(Analysis, MoveOnEquations, MoveOnPlant), StoryError> {
+) -> Result<OnPublished, StoryError> {
     watch(StoryEvent::Told(text::FIRST));
     watch(StoryEvent::Working(1, "brackets and ranks"));
     let analysis = analyze(model, &AnalysisOptions::default())?;
     watch(StoryEvent::Told(&bracketry::report::analysis::text(&analysis)));
     watch(StoryEvent::Found(Finding::Analysis(&analysis)));
+    watch(StoryEvent::Working(1, "what changes from rest to rest"));
+    let from_rest = from_rest(model)?;
+    watch(StoryEvent::Told(&from_rest_map_text(&from_rest)));
 
     watch(StoryEvent::Told(text::SECOND));
     let on_equations = MoveOnEquations::run(shape, settings, &mut |what| watch(StoryEvent::Working(2, what)))?;
@@ -112,7 +137,7 @@ fn on_published(
     let as_published = MoveOnPlant::within("published model", move_with(model)?, shortest, &adjusted, settings)?;
     watch(StoryEvent::Told(&as_published.to_string()));
     watch(StoryEvent::Found(Finding::AsPublished(&as_published)));
-    Ok((analysis, on_equations, as_published))
+    Ok(OnPublished { analysis, from_rest, on_equations, as_published })
 }
 
 /// What a thread has computed; its panic goes on here.
