@@ -129,6 +129,34 @@ def nested(n):
     return model(numbered("x", n), ["u"], rates, definitions)
 
 
+def arm(n):
+    """A planar arm of n links of length and mass 1 with a torque at each joint, in the angles of the links: M(q) w' = r, solved by elimination."""
+    mass = {(i, j): f"{2 * (n - max(i, j)) - 1}/2*cos(q{i} - q{j})" for i in range(n) for j in range(n) if i != j}
+    mass |= {(i, i): f"{3 * (n - i) - 2}/3" for i in range(n)}
+    definitions, m = [], {}
+    for i in range(n):
+        forces = [f"({2 * (n - max(i, j)) - 1}/2)*sin(q{i} - q{j})*w{j}^2" for j in range(n) if j != i]
+        torque = f"u{i}" + (f" - u{i + 1}" if i < n - 1 else "")
+        definitions.append((f"r{i}", f"{torque} - {' - '.join(forces)} - 9.81*{2 * (n - i) - 1}/2*cos(q{i})"))
+        definitions += [(f"m{i}_{j}", mass[i, j]) for j in range(n)]
+        m |= {(i, j): f"m{i}_{j}" for j in range(n)}
+    r = {i: f"r{i}" for i in range(n)}
+    for k in range(n):
+        for i in range(k + 1, n):
+            factor = f"f{i}_{k}"
+            definitions.append((factor, f"{m[i, k]}/{m[k, k]}"))
+            for j in range(k + 1, n):
+                definitions.append((f"m{i}_{j}_{k}", f"{m[i, j]} - {factor}*{m[k, j]}"))
+                m[i, j] = f"m{i}_{j}_{k}"
+            definitions.append((f"r{i}_{k}", f"{r[i]} - {factor}*{r[k]}"))
+            r[i] = f"r{i}_{k}"
+    for k in reversed(range(n)):
+        known = "".join(f" - {m[k, j]}*a{j}" for j in range(k + 1, n))
+        definitions.append((f"a{k}", f"({r[k]}{known})/{m[k, k]}"))
+    rates = [(f"q{i}", f"w{i}") for i in range(n)] + [(f"w{i}", f"a{i}") for i in range(n)]
+    return model(numbered("q", n) + numbered("w", n), numbered("u", n), rates, definitions)
+
+
 def power(exponent):
     return model(["x", "y"], ["u"], [("x", f"y^{exponent}"), ("y", "u - y")])
 
@@ -143,10 +171,12 @@ CASES = [
     ("ring of 400 sines", "analyze", lambda: ring_of_sines(400)),
     *((f"ring of {n} oscillators", "analyze", lambda n=n: oscillators(n)) for n in (40, 100)),
     *((f"bilinear, {n} inputs", "analyze", lambda n=n: bilinear(n)) for n in (100, 700)),
+    ("arm of six joints", "analyze", lambda: arm(6)),
     ("definitions 3000 deep", "analyze", lambda: nested(3000)),
     *((f"y^{exponent}", "analyze", lambda exponent=exponent: power(exponent)) for exponent in (1000, 10**9)),
     ("ring of 400 sines", "affinize", lambda: ring_of_sines(400)),
     ("sum of 400 sines", "affinize", lambda: sum_of_sines(400)),
+    ("arm of six joints", "affinize", lambda: arm(6)),
     ("400 sines of an input", "affinize", lambda: sines_of_inputs(400)),
     ("chain of 100,000 integrators", "affinize", lambda: integrators(100_000)),
     *((f"chain of {n} masses, linear", "linearize", lambda n=n: chain(n, False)) for n in (40, 100)),

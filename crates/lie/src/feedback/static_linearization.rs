@@ -119,7 +119,7 @@ impl VectorFields {
     /// Outputs with vector relative degree (κ_1, …, κ_m), Σ κ_j = n, for a linearizable system
     /// (Isidori 1995, thm. 5.2.3), each tested exactly; `None` if they were not found in closed form.
     ///
-    /// `preferred` functions are tried first, then the states, then functions that are constant
+    /// `preferred` functions and the states are tried first, the shortest before the others, then functions that are constant
     /// along the distributions of `flag`. The input fields must be independent.
     ///
     /// # Errors
@@ -163,6 +163,8 @@ impl VectorFields {
                 simple.push(x);
             }
         }
+        // Shorter outputs make shorter feedback: cos(q) in place of q makes it singular, too.
+        simple.sort_by_key(|&h| pool.reachable(&[h]).len());
         let levels = self.levels(pool, flag)?;
         let mut chosen: Vec<Expr> = Vec::new();
         let mut rows: Vec<Vec<Expr>> = Vec::new();

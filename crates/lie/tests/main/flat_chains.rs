@@ -52,3 +52,15 @@ fn long_chains_are_flat_by_their_first_state() {
         assert_eq!(shown(&report.control.feedback_linearization.unwrap().linearizing_outputs), ["x1"], "{n}");
     }
 }
+
+/// Linear mechanics in joint angles, with definitions of functions of the angles: the angles themselves are the linearizing outputs.
+#[test]
+fn states_linearize_before_functions_of_them() {
+    let text = "states = ['p', 'q', 'v', 'w']\ninputs = ['a', 'b']\ndefinitions = { m = 'cos(p - q)/2', d = '1 - m^2', s = 'sin(p)' }\n\
+                dynamics = { p = 'v', q = 'w', v = '(a - m*b)/d - s', w = '(b - m*a)/d' }";
+    let system = System::parse("arm", text).unwrap();
+    let report = analyze_affine(&system, &AnalysisOptions::default()).unwrap();
+    let outputs: Vec<String> =
+        report.control.feedback_linearization.unwrap().linearizing_outputs.iter().map(ToString::to_string).collect();
+    assert_eq!(outputs, ["p", "q"]);
+}
