@@ -38,6 +38,7 @@ mod progress;
 mod random_loops;
 mod recording;
 mod riccati;
+mod rounding;
 mod scenarios;
 mod stop_flag;
 mod tables;
