@@ -29,6 +29,7 @@ mod linear;
 mod live;
 mod method_choice;
 mod moving_horizon;
+mod norm_constraints;
 mod offset_free;
 mod plate;
 mod problem_file;
