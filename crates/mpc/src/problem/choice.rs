@@ -86,6 +86,7 @@ impl ControlProblem {
             Some(plan) => plan,
             None => converged.first_solution(&mut sqp, feedback)?,
         };
+        let solution = converged.best_first_solution(&mut sqp, solution)?;
         if !is_solved(&solution) {
             return single(MethodReason::NotConverging);
         }

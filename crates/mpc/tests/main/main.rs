@@ -41,6 +41,7 @@ mod recording;
 mod riccati;
 mod rounding;
 mod scenarios;
+mod starts;
 mod stop_flag;
 mod tables;
 mod verdicts;
