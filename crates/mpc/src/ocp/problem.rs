@@ -8,6 +8,7 @@ use super::cost_names::CostPoint;
 use super::horizon_cost::HorizonCost;
 use super::margins::Margins;
 use super::previous_input::PreviousInput;
+use super::vector_function::VectorFunction;
 use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
 use crate::trajectory::PlannedTrajectory;
@@ -86,6 +87,8 @@ pub struct Ocp {
     pub path_constraints: Vec<PathConstraint>,
     /// Vectors whose length is limited.
     pub norm_constraints: Vec<NormConstraint>,
+    /// The same as smooth rows, for solutions that take second derivatives of constraints: one per norm constraint, or none.
+    pub(crate) norm_rows: Vec<VectorFunction>,
     /// Numbers of intervals over which the inputs are held, in order; their sum is N. Empty: the inputs of every interval
     /// are free. A shrinking horizon loses intervals from the front of the first block.
     pub move_blocks: Vec<usize>,
@@ -128,6 +131,7 @@ impl Ocp {
             targets: Vec::new(),
             path_constraints: Vec::new(),
             norm_constraints: Vec::new(),
+            norm_rows: Vec::new(),
             move_blocks: Vec::new(),
             constant_inputs: Vec::new(),
             branching: None,
@@ -137,6 +141,21 @@ impl Ocp {
             state_trust: vec![f64::INFINITY; states],
             input_trust: vec![1.0; inputs],
         }
+    }
+
+    /// The problem with smooth rows in the place of its norm constraints, where it has them.
+    pub(crate) fn with_norm_rows(mut self) -> Self {
+        if self.norm_rows.len() != self.norm_constraints.len() || self.branching.is_some() {
+            return self;
+        }
+        let norms = std::mem::take(&mut self.norm_constraints).into_iter().zip(std::mem::take(&mut self.norm_rows));
+        self.path_constraints.extend(norms.map(|(norm, function)| PathConstraint {
+            name: norm.name,
+            function,
+            bounds: Bounds { min: 0.0, max: f64::INFINITY, softness: norm.softness },
+            at_end: false,
+        }));
+        self
     }
 
     /// Number of states, previous inputs included.

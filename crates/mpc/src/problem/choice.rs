@@ -86,6 +86,7 @@ impl ControlProblem {
             Some(plan) => plan,
             None => converged.first_solution(&mut sqp, feedback)?,
         };
+        let solution = converged.best_first_solution(&mut sqp, solution)?;
         if !is_solved(&solution) {
             return single(MethodReason::NotConverging);
         }
@@ -93,9 +94,11 @@ impl ControlProblem {
         Ok((Self { method_reason: MethodReason::NotSettled { change }, ..converged }, prepared))
     }
 
-    /// Whether the run ends with the horizon and its targets.
+    /// Whether the run ends with the horizon and its targets, or with constraints of its end.
     fn ends_with_targets(&self) -> bool {
-        !self.ocp.targets.is_empty() && self.samples <= self.ocp.steps && self.ocp.is_uniform()
+        let ocp = &self.ocp;
+        let at_end = !ocp.targets.is_empty() || ocp.path_constraints.iter().any(|c| c.at_end);
+        at_end && self.samples <= ocp.steps && ocp.is_uniform()
     }
 
     /// Whether the run ends with the horizon, and the cost is terminal only.
@@ -116,7 +119,8 @@ impl ControlProblem {
     /// The same through dry friction, where the inputs of the plan reach the targets on the exact flow too: a horizon that moves on
     /// does not arrive.
     fn plan_through_friction(&self, convergence: Convergence) -> Result<Option<(Self, Prepared)>, MpcError> {
-        if !self.ends_with_targets() {
+        // A constraint has no tolerance to judge the exact motion by.
+        if self.ocp.targets.is_empty() || !self.ends_with_targets() {
             return Ok(None);
         }
         let (problem, prepared) = self.planned(convergence, MethodReason::Targets)?;

@@ -22,6 +22,8 @@ const WHOLE_STEPS: usize = 50;
 /// Share of the plan's margin that the loop keeps too: bounds hold at the samples, and a state curves beyond them in between.
 const LOOP_SHARE: f64 = 0.2;
 
+/// Share by which a plan from another start has to cost less to be taken.
+const OTHER: f64 = 0.01;
 /// How many times as much as the guess at rest its roll-out may cost.
 const FAR_AWAY: f64 = 1e6;
 
@@ -96,6 +98,11 @@ impl ControlProblem {
             self.keep_better(&mut best, other);
         }
         self.solve_again(&mut sqp, &mut best)?;
+        if let Some(better) = self.better_from(&sqp, &best, &second)? {
+            let again = sqp.solve(&x0, &better.trajectory)?;
+            self.keep_better(&mut best, better);
+            self.keep_better(&mut best, again);
+        }
         Ok(best)
     }
 
@@ -240,6 +247,7 @@ impl ControlProblem {
             Method::Sqp { first, .. } => {
                 let mut sqp = self.solver()?;
                 let solution = self.first_solution(&mut sqp, first)?;
+                let solution = self.best_first_solution(&mut sqp, solution)?;
                 self.converged(sqp, solution)
             }
             Method::StickSlip { iterations } => self.on_exact_flow(self.stick_slip(iterations)?),
@@ -304,6 +312,32 @@ impl ControlProblem {
         }
         self.solve_again(sqp, &mut best)?;
         Ok(best)
+    }
+
+    /// As [`ControlProblem::first_solution`], where that is worth another start: from the roll-out of the guess, too.
+    pub(super) fn best_first_solution(&self, sqp: &mut Sqp, mut best: Solution) -> Result<Solution, MpcError> {
+        let x0 = self.initial_state();
+        let rolled = sqp.guess(&x0, &self.guess)?;
+        if let Some(better) = self.better_from(sqp, &best, &rolled)? {
+            // The controller goes on from what its solver has solved last.
+            let again = sqp.solve_first(&x0, &better.trajectory)?;
+            self.keep_better(&mut best, better);
+            self.keep_better(&mut best, again);
+        }
+        Ok(best)
+    }
+
+    /// A plan from another start that costs less than `best` by more than 1 %.
+    fn better_from(&self, sqp: &Sqp, best: &Solution, start: &PlannedTrajectory) -> Result<Option<Solution>, MpcError> {
+        // The guess of found values is a plan.
+        if !self.system.is_smooth() || self.found.is_some() || !start.is_finite() {
+            return Ok(None);
+        }
+        let mut solver = Sqp::new(self.dynamics()?, sqp.ocp().clone(), self.sqp_settings())?;
+        let other = solver.solve_first(&self.initial_state(), start)?;
+        let [before, now] = [best, &other].map(|s| self.value(&s.trajectory));
+        let less = before - now > OTHER * before.abs().max(now.abs()) || best.status != SolveStatus::Converged;
+        Ok(Some(other).filter(|other| other.status == SolveStatus::Converged && less))
     }
 
     /// Solves from other starts where the plan is not the best one: from a simple input that costs less, and from waves where it

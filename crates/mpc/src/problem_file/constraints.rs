@@ -6,11 +6,14 @@ use crate::ocp::{
     Bounds, CostKind, CostNames, NormConstraint, Ocp, PathConstraint, Softness, TerminalTarget, VectorFunction,
 };
 use crate::problem::ProblemError;
-use bracketry_symbolic::{Expr, Pool, Symbol};
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
 use bracketry_system::{FileError, Table, Value};
 
 /// Stands for the default penalty until the level of the cost is known, see [`Reader::default_penalties`].
 const DEFAULT_SOFT: Softness = Softness::Soft { linear: f64::INFINITY, quadratic: f64::INFINITY };
+
+/// Least width of a smooth norm: rounds it where the vector and its limit vanish together.
+const LEAST_WIDTH: f64 = 1e-16;
 
 /// Expressions in their pool.
 #[derive(Clone)]
@@ -233,6 +236,11 @@ impl Reader<'_> {
             return Err(self.constant_constraint(key).into());
         }
         let softness = self.softness(key.get_ref(), b, !vector.uses_states && !limit.uses_states)?;
+        // A norm that has to vanish leaves nothing to move in.
+        if self.tree.is_none() && !self.constant(max, "max").is_ok_and(|max| max == 0.0) {
+            let row = smooth_norm(self.vector(&[&parts[..], &[(max, "max")]].concat(), names)?);
+            ocp.norm_rows.push(self.compiled(row, names)?);
+        }
         let (mut vector, mut limit) = (vector, limit);
         // Both or none: what is a function of the state alone has other grid points.
         let remembered = self.remembered;
@@ -379,4 +387,28 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// √1.01 h − √(‖g‖² + h²/100) for the components g and h: not negative where ‖g‖ ≤ h, smooth also where g vanishes, and h − ‖g‖ within half a percent
+/// near the bound.
+fn smooth_norm(mut g: Vector) -> Vector {
+    let pool = &mut g.pool;
+    if let Some(h) = g.components.pop() {
+        let share = pool.ratio(1, 100);
+        let square = pool.powi(h, 2);
+        let width = pool.mul(share, square);
+        // Without it, there is no derivative where g and h vanish together.
+        let least = pool.rational(Rational::simplest_from_f64(LEAST_WIDTH).unwrap_or_default());
+        let mut sum = pool.add(width, least);
+        for &g in &g.components {
+            let square = pool.powi(g, 2);
+            sum = pool.add(sum, square);
+        }
+        let length = pool.sqrt(sum);
+        let share = pool.ratio(101, 100);
+        let share = pool.sqrt(share);
+        let whole = pool.mul(share, h);
+        g.components = vec![pool.sub(whole, length)];
+    }
+    g
 }

@@ -21,6 +21,10 @@ const WITHOUT_FRICTION: f64 = 1e9;
 const LONG: f64 = 10.0;
 /// Share of the fastest rate below which a mode is one of rest, such as a position without force.
 const AT_REST: f64 = 1e-6;
+/// Share of what others change in a state below which its size is rounding.
+const ROUNDING: f64 = 1e-8;
+/// Size of an input without a range below which its guess counts as zero.
+const NO_INPUT: f64 = 1e-12;
 /// Most steps of an interval.
 const MOST_STEPS: f64 = 1e3;
 
@@ -58,7 +62,7 @@ impl Reader<'_> {
             } else {
                 let guessed = guess.iter().fold(0.0, |s: f64, u| s.max(u[j].abs()));
                 let known = finite(&[min, max]).max(guessed).max(point.as_ref().map_or(0.0, |p| p.1[j].abs()));
-                ocp.input_trust[j] = if known > 0.0 { known } else { 1.0 };
+                ocp.input_trust[j] = if known > NO_INPUT { known } else { 1.0 };
             }
         }
         let mut sizes: Vec<f64> = (0..n)
@@ -105,6 +109,7 @@ impl Reader<'_> {
                 }
             }
         }
+        drop_rounding(&mut rates, (x0, &guess[0]), ocp, &mut sizes);
         let explicit = steps_for(ocp.longest() * rate / STABLE);
         // An implicit method is stable for any step.
         if let Substeps::AtLeast(s) = ocp.substeps
@@ -142,6 +147,34 @@ impl Reader<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// Sets to zero the size of a state that is all rounding, as with sin(π): one far below what inputs and other states, each of its size, change in it
+/// within an interval. Bounds are meant as they are.
+fn drop_rounding(dynamics: &mut SymbolicDynamics, (x0, u0): (&[f64], &[f64]), ocp: &Ocp, sizes: &mut [f64]) {
+    let n = sizes.len();
+    let entries = jacobian(dynamics, 0.0, x0, u0);
+    let interval = if ocp.integrator == Integrator::Map { 1.0 } else { ocp.longest() };
+    let is_rounding = |i: usize, sizes: &[f64]| {
+        let b = &ocp.state_bounds[i];
+        let bounded = [b.min, b.max].iter().any(|b| b.is_finite() && *b != 0.0);
+        let of = |j: usize| {
+            if j >= n {
+                ocp.input_trust[j - n]
+            } else if sizes[j] > 0.0 {
+                sizes[j]
+            } else {
+                1.0
+            }
+        };
+        let others = entries.iter().filter(|e| e.0 == i && e.1 != i);
+        let reach = others.map(|&(_, j, v)| (v * of(j)).abs() * interval).fold(0.0, f64::max);
+        !bounded && sizes[i] > 0.0 && sizes[i] < ROUNDING * reach
+    };
+    // What moves by rounding alone moves others so.
+    while let Some(i) = (0..n).find(|&i| is_rounding(i, sizes)) {
+        sizes[i] = 0.0;
     }
 }
 
@@ -222,18 +255,21 @@ fn fastest_stable_rate(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[
     eigenvalues(dynamics, t, x, u).iter().filter(|l| l.re <= 0.0).fold(0.0, |r: f64, l| r.max(l.norm()))
 }
 
+/// Entries (i, j, value) of ∂f/∂(x, u).
+fn jacobian(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[f64]) -> Vec<(usize, usize, f64)> {
+    let pattern = dynamics.jacobian_pattern().to_vec();
+    let (mut dx, mut entries) = (vec![0.0; dynamics.states()], vec![0.0; pattern.len()]);
+    dynamics.field_and_jacobian(t, x, u, &mut dx, &mut entries);
+    pattern.into_iter().zip(entries).map(|((i, j), v)| (i, j, v)).collect()
+}
+
 /// The eigenvalues of ∂f/∂x; none where they are not to be had.
 fn eigenvalues(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[f64]) -> Vec<Complex<f64>> {
     let n = dynamics.states();
-    let pattern = dynamics.jacobian_pattern().to_vec();
-    let (mut dx, mut entries) = (vec![0.0; n], vec![0.0; pattern.len()]);
-    dynamics.field_and_jacobian(t, x, u, &mut dx, &mut entries);
-    let mut jacobian = DMatrix::zeros(n, n);
-    for (&(i, j), &v) in pattern.iter().zip(&entries) {
-        if j < n {
-            jacobian[(i, j)] = v;
-        }
+    let mut jacobian_of_states = DMatrix::zeros(n, n);
+    for (i, j, v) in jacobian(dynamics, t, x, u).into_iter().filter(|e| e.1 < n) {
+        jacobian_of_states[(i, j)] = v;
     }
-    let found = eigen::eigenvalues(&jacobian).unwrap_or_default();
+    let found = eigen::eigenvalues(&jacobian_of_states).unwrap_or_default();
     found.into_iter().map(|(re, im)| Complex::new(re, im)).collect()
 }

@@ -66,6 +66,9 @@ impl Sqp {
     /// If the problem contradicts itself or the dynamics; [`MpcError::NoSecondDerivatives`] if the exact Hessian is asked of
     /// dynamics that do not have it.
     pub fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp, settings: SqpSettings) -> Result<Self, MpcError> {
+        // Where the interior-point method leads, cones are rows with exact curvature; the other programs keep them.
+        let smooth = settings.interior_point && settings.hessian != Hessian::GaussNewton && !dynamics.is_smoothed();
+        let ocp = if smooth { ocp.with_norm_rows() } else { ocp };
         let mut problem = Transcription::new(dynamics, ocp)?;
         for &w in &settings.smoothing {
             check_value(w > 0.0 && w.is_finite(), "a smoothing width", w, "give a positive number")?;

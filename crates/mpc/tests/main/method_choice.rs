@@ -113,6 +113,26 @@ fn targets_at_the_end_of_the_run_are_planned_for_once() {
     }
 }
 
+/// What is to hold at the end of the run is a target, too: docking by constraints of the end.
+#[test]
+fn constraints_of_the_end_of_the_run_are_planned_for_once() {
+    let model = "states = [\"x\", \"v\"]\ninputs = [\"u\"]\ndynamics = { x = \"v\", v = \"u - 0.1*v*abs2\" }\n\
+                 definitions = { abs2 = \"1 + v^2\" }";
+    for (goal, speed) in [(1.0, 0.0), (-0.5, 0.2), (2.0, -0.1)] {
+        let text = format!(
+            "horizon = {{ steps = 25, dt = 0.1 }}\ncost = {{ stage = \"u^2\" }}\n\
+             constraints = {{ at = {{ expression = \"x\", min = {goal}, max = {goal}, hard = true, at = \"end\" }}, \
+             touch = {{ expression = \"v\", min = {speed}, max = {speed}, hard = true, at = \"end\" }} }}\n"
+        );
+        let report = run(model, &format!("{text}run = {{}}"));
+        assert_eq!((report.method, &report.method_reason), ("plan", &MethodReason::Targets));
+        let end = ["x", "v"].map(|n| report.x_final.get(n).copied().unwrap());
+        assert!(report.succeeded && (end[0] - goal).abs().max((end[1] - speed).abs()) < 1e-3, "{report:?}");
+        assert!((report.closed_loop_cost / report.open_loop_cost - 1.0).abs() < 1e-2, "{report:?}");
+        assert_ne!(run(model, &format!("{text}run = {{ steps = 60 }}")).method, "plan");
+    }
+}
+
 #[test]
 fn a_cost_at_the_end_of_the_run_alone_is_planned_for_once() {
     // Two reactions in a row, x -> y -> nothing: the most of y at the end, by the temperature u.
