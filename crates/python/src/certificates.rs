@@ -1,7 +1,6 @@
 //! Lyapunov functions, regions of attraction, storage functions, conserved functions.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use bracketry::certify::{Certificate, CertifyOptions, Find, check, portrait, with_feedback};
 use bracketry::report::certificates::{certification_json, certification_text, check_text, region_figure};
@@ -11,7 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::error::Failure;
 use crate::figures::Figures;
-use crate::interrupt::watched;
+use crate::interrupt::{seconds, watched};
 use crate::model::Model;
 use crate::tables::Answer;
 
@@ -57,11 +56,9 @@ pub(crate) fn certify<'py>(
     time_limit: f64,
 ) -> PyResult<Bound<'py, PyDict>> {
     let system = model.get().system.clone();
+    let limit = seconds(time_limit)?;
     let answer = watched(py, move |stop| {
         let system = Arc::new(closed(&system, at.as_deref(), &feedback)?);
-        let Ok(limit) = Duration::try_from_secs_f64(time_limit) else {
-            return Err(Failure::new(format!("time_limit is {time_limit}: give a positive number of seconds")));
-        };
         let mut list = Vec::new();
         for name in &find {
             list.extend(sought(name, &system)?);

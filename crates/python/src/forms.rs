@@ -1,7 +1,5 @@
 //! Normal forms and decompositions.
 
-use std::time::Duration;
-
 use bracketry::lie::forms::{Form, TransformOptions};
 use bracketry::report::forms::{transformation_json, transformation_text};
 use pyo3::prelude::*;
@@ -9,7 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::error::Failure;
 use crate::figures::Figures;
-use crate::interrupt::watched;
+use crate::interrupt::{seconds, watched};
 use crate::model::Model;
 use crate::tables::Answer;
 
@@ -25,13 +23,13 @@ pub(crate) fn transform<'py>(
     time_limit: f64,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut system = model.get().system.clone();
+    let limit = seconds(time_limit)?;
     let (answer, made, parts) = watched(py, move |flag| {
         system.pool.set_stop_flag(flag.clone());
         let form: Form = to.parse()?;
         if let Some(at) = &at {
             system.point = Some(bracketry::point(&mut system, at).map_err(|e| Failure::from(e).about("at"))?);
         }
-        let limit = Duration::try_from_secs_f64(time_limit).map_err(|e| Failure::from(e).about("time_limit"))?;
         let options = TransformOptions { outputs, time_limit: Some(limit) };
         let result = bracketry::lie::transform(&system, form, &options)?;
         let answer = Answer::new(&transformation_json(&result), transformation_text(&result), Figures::default())?;

@@ -86,6 +86,6 @@ def test_feedback_and_mistakes() -> None:
     found = bracketry.certify(model, feedback={"u": "-2*x - 2*x^3"}, find=["lyapunov", "conserved"])
     assert found.lyapunov is not None and found.lyapunov["conclusion"] == "globally_asymptotically_stable"
     assert found.conserved is not None and found.conserved["polynomials"] == []
-    for arguments in ({"find": "nothing"}, {"degree": 3}, {"feedback": {"v": 0}}, {"at": {"z": 0}}, {"time_limit": -1}):
+    for arguments in ({"find": "nothing"}, {"degree": 3}, {"feedback": {"v": 0}}, {"at": {"z": 0}}, {"time_limit": 0}, {"time_limit": -1}):
         with pytest.raises(bracketry.BracketryError):
             bracketry.certify(model, **arguments)  # type: ignore[arg-type]
