@@ -26,10 +26,13 @@ pub(super) struct GaussianAngle {
 }
 
 impl GaussianAngle {
-    /// Angle of the point (x, y), not (0, 0); `None` if x² + y² is too large to be factored.
+    /// Angle of the point (x, y); `None` for (0, 0), which has none, and if x² + y² is too large to be factored.
     pub(super) fn of(x: &RBig, y: &RBig, found: &mut Vec<u64>) -> Option<Self> {
         let (a, b) =
             (x.numerator() * IBig::from(y.denominator().clone()), y.numerator() * IBig::from(x.denominator().clone()));
+        if a.is_zero() && b.is_zero() {
+            return None;
+        }
         let g = IBig::from((&a).gcd(&b));
         let (a, b) = (a / &g, b / &g);
         let norm = RBig::from(&a * &a + &b * &b);
