@@ -1,4 +1,4 @@
-//! Signs of constants: intervals with ends of growing precision, and the zero test where they do not leave 0.
+//! Signs and values of constants: intervals with ends of growing precision, and the zero test where they do not leave 0.
 
 use std::cmp::Ordering;
 
@@ -38,6 +38,31 @@ impl Pool {
         if let Some(q) = self.number(e) {
             return Some(q.cmp(&RBig::ZERO));
         }
+        self.enclosed(e, bindings, Interval::sign)
+    }
+
+    /// The value of a constant as the nearest `f64` or one beside it, whatever cancels; `None` where it has no value, or as for
+    /// [`Pool::constant_sign`].
+    ///
+    /// ```
+    /// use bracketry_symbolic::{Bindings, Pool};
+    /// let mut p = Pool::new();
+    /// let e = p.parse("(1 - cos(x))/x^2 - 1/2").unwrap();
+    /// let (x, small) = (p.var("x"), p.parse("10^(-10)").unwrap());
+    /// let e = p.substitute(e, &[(x, small)].into_iter().collect());
+    /// // −x²/24; floating-point numbers give −1/2.
+    /// let value = p.constant_value(e, &Bindings::new()).unwrap();
+    /// assert!((value * 24e20 + 1.0).abs() < 1e-15);
+    /// ```
+    pub fn constant_value(&mut self, e: Expr, bindings: &Bindings) -> Option<f64> {
+        if let Some(q) = self.number(e) {
+            return Some(q.to_f64().value()).filter(|v| v.is_finite());
+        }
+        self.enclosed(e, bindings, Interval::value)
+    }
+
+    /// What the first of growing intervals tells that tells enough; what it tells of 0 where the constant is zero.
+    fn enclosed<T>(&mut self, e: Expr, bindings: &Bindings, tell: impl Fn(&Interval) -> Option<T>) -> Option<T> {
         let nodes = self.reachable(&[e]);
         let is_open = |n: &Expr| matches!(self.node(*n), Node::Sym(s) if bindings.get(s).is_none());
         if nodes.len() > MAX_NODES || nodes.iter().any(is_open) {
@@ -47,14 +72,15 @@ impl Pool {
             if self.reached_limit().is_some() {
                 return None;
             }
-            match Interval::of_constant(self, &nodes, bindings, bits) {
-                Some(i) if i.low > Low::ZERO => return Some(Ordering::Greater),
-                Some(i) if i.high < High::ZERO => return Some(Ordering::Less),
-                _ if attempt > 0 => {}
-                found => match self.zero_test(e, bindings) {
-                    ZeroTest::Zero(_) => return found.map(|_| Ordering::Equal),
+            let found = Interval::of_constant(self, &nodes, bindings, bits);
+            if let Some(told) = found.as_ref().filter(|i| !i.holds_zero()).and_then(&tell) {
+                return Some(told);
+            }
+            if attempt == 0 && found.as_ref().is_none_or(Interval::holds_zero) {
+                match self.zero_test(e, bindings) {
+                    ZeroTest::Zero(_) => return found.and_then(|_| tell(&Interval::of(&RBig::ZERO, bits))),
                     ZeroTest::NonZero | ZeroTest::Unknown(_) => {}
-                },
+                }
             }
         }
         None
@@ -102,6 +128,23 @@ impl Interval {
 
     fn pi(bits: usize) -> Self {
         Self { low: Low::pi(bits), high: High::pi(bits) }
+    }
+
+    /// The sign of all its numbers; `None` where they differ.
+    fn sign(&self) -> Option<Ordering> {
+        if self.low > Low::ZERO {
+            Some(Ordering::Greater)
+        } else if self.high < High::ZERO {
+            Some(Ordering::Less)
+        } else {
+            (self.low == Low::ZERO && self.high == High::ZERO).then_some(Ordering::Equal)
+        }
+    }
+
+    /// The number that it holds, where its ends are the same `f64` or next to each other.
+    fn value(&self) -> Option<f64> {
+        let (low, high) = (self.low.to_f64().value(), self.high.to_f64().value());
+        (low.is_finite() && high.is_finite() && high <= low.next_up()).then_some(low)
     }
 
     /// Itself, unless its ends are too large or too small to compute with.
@@ -217,7 +260,11 @@ impl Interval {
             Func::Abs if self.high <= High::ZERO => self.negative(),
             Func::Sign if self.low > Low::ZERO => Self::of(&RBig::ONE, bits),
             Func::Sign if self.high < High::ZERO => Self::of(&RBig::NEG_ONE, bits),
-            Func::Asin | Func::Acos | Func::Abs | Func::Sign => return None,
+            Func::Abs => {
+                let down = self.negative().high;
+                Self { low: Low::ZERO, high: down.max(self.high.clone()) }
+            }
+            Func::Asin | Func::Acos | Func::Sign => return None,
         })
     }
 
