@@ -1,6 +1,6 @@
 //! The text of certificates.
 
-use bracketry_certify::{CertificateReason, Certification, CheckError, Conclusion, Conserved, Finding, Proof};
+use bracketry_certify::{CertificateReason, Certification, CheckError, Claim, Conclusion, Conserved, Finding, Proof};
 use bracketry_symbolic::Rational;
 use bracketry_system::readable;
 
@@ -67,9 +67,15 @@ fn number(q: &Rational) -> String {
 fn conclusion(p: &Proof) -> &'static str {
     match p.conclusion {
         Conclusion::Conserved => "is constant along all motions",
-        Conclusion::GloballyAsymptoticallyStable => {
-            "proved: globally asymptotically stable; V is positive definite and radially unbounded, V' negative definite"
-        }
+        Conclusion::GloballyAsymptoticallyStable => match &p.certificate.claim {
+            Claim::Lyapunov { decrease, .. } if !decrease.is_definite() => {
+                "proved: globally asymptotically stable; V is positive definite and radially unbounded, V' <= 0, and no motion but \
+                 rest stays where V' = 0 (LaSalle)"
+            }
+            _ => {
+                "proved: globally asymptotically stable; V is positive definite and radially unbounded, V' negative definite"
+            }
+        },
         Conclusion::Stable => {
             "proved: stable, and all motions are bounded; V is positive definite and radially unbounded, V' <= 0"
         }
