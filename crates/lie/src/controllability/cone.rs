@@ -13,6 +13,7 @@ use crate::controllability::meeting::{Adjacent, AtSwitchPoint, change, input_set
 use crate::controllability::region::{Extent, Region};
 use crate::controllability::sign::{NearOrigin, Sign};
 use crate::evidence::Evidence;
+use crate::linear::taylor::is_analytic;
 use crate::reason::StlcReason;
 use crate::residues::{Echelon, Fp, OFFSET};
 use crate::undecided::Undecided;
@@ -153,8 +154,14 @@ fn signs(
     let sign = |pool: &mut Pool, field: &Field| {
         let rate = pool.lie_derivative(function, &mode.fields.states, field);
         let rate = if covector.is_none() { tidy(pool, rate) } else { rate };
-        let rate = steps.iter().fold(rate, |e, map| pool.substitute(e, map));
-        if vanishes(pool, rate, bindings) { Sign::Zero } else { near.sign(pool, rate) }
+        let moved = steps.iter().fold(rate, |e, map| pool.substitute(e, map));
+        if vanishes(pool, moved, bindings) {
+            return Sign::Zero;
+        }
+        match near.sign(pool, moved) {
+            Sign::Unknown => by_switches(pool, mode, &near, rate, &steps[0]),
+            seen => seen,
+        }
     };
     let mut list = vec![sign(pool, &mode.frame.fields.drift)];
     for (g, side) in mode.frame.fields.controls.iter().zip(sides) {
@@ -167,6 +174,33 @@ fn signs(
         });
     }
     list
+}
+
+/// The sign of a rate that is a multiple of a switching function, by the sign of that function in the mode.
+fn by_switches(
+    pool: &mut Pool,
+    mode: &Adjacent,
+    near: &NearOrigin,
+    rate: Expr,
+    offsets: &FxHashMap<Expr, Expr>,
+) -> Sign {
+    let states = &mode.fields.states;
+    let at: FxHashMap<Expr, Expr> = states.iter().zip(mode.frame.point()).map(|(&s, &v)| (pool.sym(s), v)).collect();
+    for &(switch, side) in &mode.vanishing {
+        let quotient = pool.div(rate, switch);
+        let quotient = tidy(pool, quotient);
+        // The quotient with one that is no factor has a pole where the switching function vanishes.
+        if !is_analytic(pool, quotient, &at) {
+            continue;
+        }
+        let moved = pool.substitute(quotient, offsets);
+        let switch = if side > 0 { Sign::NonNegative } else { Sign::NonPositive };
+        let sign = near.sign(pool, moved).times(switch);
+        if sign != Sign::Unknown {
+            return sign;
+        }
+    }
+    Sign::Unknown
 }
 
 /// Whether no root in the fields has a base that vanishes at the point, or that may vanish anywhere. With such a root, solutions may leave a half-space

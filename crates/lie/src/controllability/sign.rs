@@ -52,7 +52,7 @@ impl Sign {
         }
     }
 
-    fn times(self, other: Sign) -> Sign {
+    pub(crate) fn times(self, other: Sign) -> Sign {
         match (self, other) {
             (Sign::Zero, _) | (_, Sign::Zero) => Sign::Zero,
             (Sign::Unknown, _) | (_, Sign::Unknown) => Sign::Unknown,

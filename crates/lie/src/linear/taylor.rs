@@ -58,7 +58,7 @@ impl MultivariatePolynomial {
 
 /// Whether nothing in the function is seen to fail at the origin: denominators do not vanish there, roots and logarithms have
 /// positive arguments, and other functions than those analytic everywhere do not occur.
-fn is_analytic(pool: &mut Pool, e: Expr, origin: &FxHashMap<Expr, Expr>) -> bool {
+pub(crate) fn is_analytic(pool: &mut Pool, e: Expr, origin: &FxHashMap<Expr, Expr>) -> bool {
     let value = |pool: &mut Pool, e: Expr| {
         let at = pool.substitute(e, origin);
         let at = pool.simplify(at);

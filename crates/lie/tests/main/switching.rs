@@ -362,3 +362,17 @@ fn inputs_without_drift_cross_a_kink() {
     assert_eq!(verdict("x y z", "u v", &["u", "v", "abs(x)"]), Verdict::No);
     assert_eq!(verdict("x y z", "u v", &["u", "v", "abs(y)*v"]), Verdict::No);
 }
+
+/// h = y + c x² with h' = k max(σ, 0) or k |σ|, σ = x + d h², never falls for k > 0, and never rises for k < 0.
+#[test]
+fn a_rate_that_is_a_multiple_of_a_curved_switching_function_has_one_sign() {
+    for (c, d) in [(1, 1), (-2, 1), (1, -3), (3, 2)] {
+        for kink in ["max(s, 0)", "abs(s)", "-2*max(s, 0)", "(2 + sin(x))*abs(s)"] {
+            let rate = kink.replace("(s", &format!("(x + ({d})*(y + ({c})*x^2)^2"));
+            let system = system(&["x", "y"], &["u"], &[], &["u", &format!("{rate} - 2*({c})*x*u")], &[], Some(&[]));
+            let report = analyze_affine(&system, &AnalysisOptions::default()).unwrap();
+            let point = report.at_point.unwrap().known().cloned().unwrap();
+            assert_eq!(point.stlc.verdict, Verdict::No, "{c} {d} {kink}: {}", point.stlc.reason);
+        }
+    }
+}
