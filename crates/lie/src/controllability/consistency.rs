@@ -24,6 +24,8 @@ pub(crate) struct Statements {
     pub(crate) decays: Option<bool>,
     /// Whether feedback stabilizes.
     pub(crate) stabilizable: Option<bool>,
+    /// Whether this feedback is known to be a continuous function of the state.
+    pub(crate) continuous: bool,
     /// Brockett's necessary condition for continuous feedback.
     pub(crate) brockett: Option<bool>,
 }
@@ -71,6 +73,10 @@ impl Statements {
         let stable = "linear feedback stabilizes the linearization".to_owned();
         match (linear, self.stabilizable, self.brockett) {
             (true, Some(false), _) => contradicting(stable, "no feedback stabilizes the system".to_owned()),
+            (_, Some(true), Some(false)) if self.continuous => {
+                let first = "continuous feedback of the state stabilizes the system".to_owned();
+                contradicting(first, "Brockett's necessary condition does not hold".to_owned())
+            }
             (true, _, Some(false)) => contradicting(stable, "Brockett's necessary condition does not hold".to_owned()),
             _ => None,
         }
@@ -93,6 +99,7 @@ mod tests {
         stlc: Verdict::Yes,
         decays: Some(true),
         stabilizable: Some(true),
+        continuous: true,
         brockett: Some(true),
     };
 
@@ -106,6 +113,7 @@ mod tests {
             local: [Some(3), Some(3)],
             rank: Some(2),
             decays: Some(false),
+            continuous: false,
             brockett: Some(false),
             ..INTEGRATOR
         };
@@ -136,6 +144,7 @@ mod tests {
             (Statements { stabilizable: Some(false), rank: Some(1), decays: None, ..INTEGRATOR }, "no feedback"),
             (Statements { stlc: Verdict::Inconclusive, stabilizable: Some(false), ..INTEGRATOR }, "no feedback"),
             (Statements { brockett: Some(false), ..INTEGRATOR }, "Brockett"),
+            (Statements { rank: Some(1), decays: None, brockett: Some(false), ..INTEGRATOR }, "continuous feedback"),
         ];
         for (statements, expected) in wrong {
             let found = statements.contradiction().unwrap().to_string();

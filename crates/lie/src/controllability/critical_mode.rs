@@ -79,6 +79,12 @@ pub(crate) fn in_the_plane(
         let at_point = frame.value_at_point(pool, function);
         let above = pool.sub(function, at_point);
         let above = pool.substitute(above, &offsets);
+        // A coordinate at the point: analytic there, with a gradient. x + log(y) at y = 0 is none.
+        let is_coordinate = polynomial(pool, frame, above, &variables, DEGREE[0])
+            .is_some_and(|p| p.terms().any(|(m, _)| m.iter().sum::<u32>() == 1));
+        if !is_coordinate {
+            continue;
+        }
         let Some((y, map)) = solved(pool, above, &variables, |_, y| y) else { continue };
         let rate = pool.lie_derivative(function, &fields.states, &fields.drift);
         let rate = tidy(pool, rate);

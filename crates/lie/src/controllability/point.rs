@@ -179,6 +179,7 @@ pub(crate) fn point_report(
         stlc: stlc.with_bounded_inputs(),
         decays: decays_known,
         stabilizable: stabilizable.as_ref().and_then(Answer::known).copied(),
+        continuous: stabilizable_reason.as_ref().is_some_and(StabilizableReason::is_by_continuous_state_feedback),
         brockett: brockett_condition.as_ref().and_then(Answer::known).copied(),
     };
     if let Some(contradiction) = statements.contradiction() {

@@ -3,7 +3,7 @@
 use crate::common::{elementary, system};
 use crate::tier::cases;
 use bracketry_lie::reason::StabilizableReason;
-use bracketry_lie::{AnalysisOptions, analyze_affine};
+use bracketry_lie::{AnalysisOptions, Answer, analyze_affine};
 use proptest::prelude::*;
 
 fn verdict(states: &[&str], inputs: &[&str], dynamics: &[&str]) -> (Option<bool>, StabilizableReason) {
@@ -204,5 +204,25 @@ proptest! {
         if a > 0 {
             prop_assert_ne!(hidden(&["u"], &of("+ s0^3"), &[(0, 1, t)]), Some(false));
         }
+    }
+}
+
+/// (y e^(x/c))' = y^2k e^(x/c) ≥ 0, whatever the input is: y > 0 does not come back. x + c log(y), which is constant along the input field
+/// too, is no coordinate at y = 0.
+#[test]
+fn functions_that_are_singular_at_the_point_stabilize_nothing() {
+    for (x, y) in [
+        ("u", "y^2 - u*y"),
+        ("u", "2*y^2 - u*y/2"),
+        ("u*(1 + y)", "y^2 - u*y"),
+        ("u*(1 - y^2)", "y^2 - u*y*(1 - y^2)"),
+        ("u", "y^4 - 2*u*y"),
+        ("u", "u*y^2 + y^3"),
+        ("-x + u", "-u*y + x*y + y^2"),
+    ] {
+        let system = system(&["x", "y"], &["u"], &[], &[x, y], &[], Some(&[]));
+        let report = analyze_affine(&system, &AnalysisOptions::default()).unwrap();
+        let point = report.at_point.unwrap().known().cloned().unwrap();
+        assert_ne!(point.stabilizable, Some(Answer::Known(true)), "{x}, {y}: {:?}", point.stabilizable_reason);
     }
 }
