@@ -7,13 +7,13 @@ use crate::algebra::field::{Field, VectorFields};
 use crate::answer::Answer;
 use crate::controllability::local_accessibility::Frame;
 use crate::evidence::Evidence;
+use crate::linear::clusters::{Cluster, clusters, decay};
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::spectrum::{Root, Spectrum};
 use crate::reason::Reason;
 use crate::residues::times;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
-use bracketry_numerics::eigen::eigenvalues;
 use bracketry_numerics::eigen::symmetric_eigen;
 
 /// x' = A x + B u around an equilibrium, modulo the prime.
@@ -97,11 +97,10 @@ pub(crate) fn uncontrollable(pool: &mut Pool, frame: &Frame, rank: usize) -> Res
     let (a, b) = matrices(pool, frame).ok_or(Reason::NoNumbers)?;
     let rest = complement(&a, &b, rank).ok_or(Reason::Rounding)?;
     let block = rest.transpose() * &a * &rest;
-    let tolerance = tolerance(&block, a.norm());
-    let found = eigenvalues(&block).ok_or(Reason::NoConvergence)?;
-    let worst = found.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
-    let decays = if worst.abs() > tolerance { Answer::Known(worst < 0.0) } else { Answer::Unknown(Reason::NearAxis) };
-    Ok(Uncontrollable { roots: clustered(&found, tolerance), decays, exact: None })
+    let found = clusters(&block, a.norm()).ok_or(Reason::NoConvergence)?;
+    let decays = decay(&found).map_or(Answer::Unknown(Reason::NearAxis), Answer::Known);
+    let root = |c: &Cluster| Root { re: c.re, im: c.im, multiplicity: c.count, exact: None };
+    Ok(Uncontrollable { roots: found.iter().map(root).collect(), decays, exact: None })
 }
 
 /// Whether all eigenvalues of A are seen to have negative real parts.
@@ -111,16 +110,7 @@ pub(crate) fn is_hurwitz(pool: &mut Pool, frame: &Frame) -> bool {
         return spectrum.right == 0 && spectrum.on_axis == 0;
     }
     let Some((a, _)) = matrices(pool, frame) else { return false };
-    let tolerance = tolerance(&a, a.norm());
-    eigenvalues(&a).is_some_and(|found| found.iter().all(|z| z.0 < -tolerance))
-}
-
-/// How far the eigenvalues of a k × k matrix can move where its entries are computed from numbers of size `source`: by the rounding E of
-/// those numbers, and if all are one, by the k-th root of it, ‖M‖^(1 − 1/k) ‖E‖^(1/k).
-pub(crate) fn tolerance(m: &DMatrix<f64>, source: f64) -> f64 {
-    let k = m.nrows() as f64;
-    let (size, rounding) = (m.norm(), k * f64::EPSILON * source.max(f64::MIN_POSITIVE));
-    10.0 * (rounding + size.powf(1.0 - 1.0 / k) * rounding.powf(1.0 / k))
+    clusters(&a, a.norm()).is_some_and(|found| decay(&found) == Some(true))
 }
 
 /// The matrix of A on the rational vectors modulo span{A^k b_i}, in the coordinates w_i x of an annihilating basis; `b` has
@@ -135,23 +125,6 @@ pub(crate) fn quotient_by_reachable(a: &RationalMatrix, b: &RationalMatrix) -> R
         columns.iter().map(|&j| image[j].clone()).collect()
     });
     RationalMatrix::new(rows.collect(), columns.len())
-}
-
-fn clustered(found: &[(f64, f64)], tolerance: f64) -> Vec<Root> {
-    let mut clusters: Vec<Vec<(f64, f64)>> = Vec::new();
-    for &z in found {
-        match clusters.iter_mut().find(|c| c.iter().any(|w| (w.0 - z.0).hypot(w.1 - z.1) <= tolerance)) {
-            Some(c) => c.push(z),
-            None => clusters.push(vec![z]),
-        }
-    }
-    let tidy = |x: f64| if x.abs() <= tolerance { 0.0 } else { x };
-    let mean = |c: &[(f64, f64)], part: fn(&(f64, f64)) -> f64| tidy(c.iter().map(part).sum::<f64>() / c.len() as f64);
-    let root =
-        |c: &Vec<(f64, f64)>| Root { re: mean(c, |z| z.0), im: mean(c, |z| z.1), multiplicity: c.len(), exact: None };
-    let mut roots: Vec<Root> = clusters.iter().map(root).collect();
-    roots.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-    roots
 }
 
 /// Orthonormal columns that span the orthogonal complement of span{A^k b_i}, whose exact dimension

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::cmp::Ordering;
 
-use bracketry_symbolic::{Bindings, Evaluation, Expr, Pool, Rational, Symbol, Tape};
+use bracketry_symbolic::{Bindings, Evaluation, Expr, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::closure::Closure;
@@ -153,17 +153,14 @@ impl Frame {
         pool.constant_sign(e, &Bindings::new())
     }
 
-    /// Numerical values at the point; `None` if a symbol has no value or a value is not finite.
+    /// Numerical values at the point, right to the last digit, whatever cancels; `None` if a symbol has no value or a value is not finite.
     pub(crate) fn numbers(&self, pool: &mut Pool, roots: &[Expr]) -> Option<Vec<f64>> {
         let mut roots = roots.to_vec();
         for _ in 0..2 {
             let at = self.constants(pool, &roots);
             roots = pool.substitute_all(&roots, &at);
         }
-        let tape = Tape::compile(pool, &[], &roots).ok()?;
-        let mut values = vec![0.0; tape.n_outputs()];
-        tape.eval(&[], &mut Vec::new(), &mut values);
-        values.iter().all(|v| v.is_finite()).then_some(values)
+        roots.into_iter().map(|e| pool.constant_value(e, &Bindings::new())).collect()
     }
 
     /// Values at the point; `None` if one is not seen to be a rational number.

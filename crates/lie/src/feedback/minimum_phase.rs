@@ -7,10 +7,10 @@ use nalgebra::DMatrix;
 
 use crate::algebra::field::VectorFields;
 use crate::answer::Answer;
-use crate::controllability::linearization::tolerance;
 use crate::evidence::Evidence;
 use crate::feedback::critical::Critical;
 use crate::feedback::zero_dynamics::{Set, ZeroDynamics};
+use crate::linear::clusters::{clusters, decay};
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::spectrum::Spectrum;
 use crate::reason::{MinimumPhaseReason, Reason};
@@ -101,17 +101,13 @@ impl ZeroDynamics {
         }
         let Some(values) = set.numbers(pool, &rows) else { return open(Reason::ZeroDynamicsNoNumbers) };
         let matrix = DMatrix::from_row_slice(k, k, &values);
-        let Some(eigenvalues) = eigenvalues(&matrix) else {
+        let (Some(eigenvalues), Some(found)) = (eigenvalues(&matrix), clusters(&matrix, matrix.norm())) else {
             return open(Reason::NoConvergence);
         };
-        let tolerance = tolerance(&matrix, matrix.norm());
-        let worst = eigenvalues.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
-        if worst < -tolerance {
-            decided(true, MinimumPhaseReason::Stable, eigenvalues)
-        } else if worst > tolerance {
-            decided(false, MinimumPhaseReason::Unstable, eigenvalues)
-        } else {
-            MinimumPhase { eigenvalues, ..open(Reason::ZeroDynamicsNearAxis) }
+        match decay(&found) {
+            Some(true) => decided(true, MinimumPhaseReason::Stable, eigenvalues),
+            Some(false) => decided(false, MinimumPhaseReason::Unstable, eigenvalues),
+            None => MinimumPhase { eigenvalues, ..open(Reason::ZeroDynamicsNearAxis) },
         }
     }
 

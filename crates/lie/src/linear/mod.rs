@@ -1,6 +1,7 @@
 //! Linear algebra for linearizations: exact over the rational numbers, else in floating point with bounded iterations.
 
 mod characteristic;
+pub(crate) mod clusters;
 pub(crate) mod distance;
 pub(crate) mod dominance;
 pub(crate) mod form;

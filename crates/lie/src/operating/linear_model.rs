@@ -269,6 +269,12 @@ impl Frame {
                 .collect();
             let with_values: Vec<Expr> =
                 self.system.with_values(&here).into_iter().map(|e| self.system.pool.simplify(e)).collect();
+            for (j, &e) in with_values.iter().enumerate() {
+                // Without rounding where the point is known exactly.
+                if let Some(value) = self.system.pool.constant_value(e, &Bindings::default()) {
+                    values[(i, j)] = value;
+                }
+            }
             exact.push(with_values.iter().map(|&e| self.system.pool.number(e).cloned()).collect::<Option<Vec<_>>>());
             formulas.push(Function::list(&self.system.pool, &here));
         }
