@@ -181,6 +181,9 @@ const ROUNDING: f64 = 1e-6;
 /// accuracy.
 const CLEAR: [f64; 3] = [1e-7, 1e-5, 1e-3];
 
+/// A value at a solution is below this part of the values at the largest of these distances.
+const SMALL: f64 = 0.1;
+
 /// Solutions nearer to each other than this are one.
 const SAME: f64 = 1e-5;
 
@@ -334,7 +337,11 @@ impl<'a> Search<'a> {
         let solved = status != TrimStatus::NotFound;
         let one_of_many = solved && open > 0 && is_one_of_a_set(&mut self.equations, &chosen);
         if one_of_many {
-            chosen = nearest(&mut self.equations, chosen, &first);
+            // The nearest solutions may tend to a point where there is none.
+            let near = nearest(&mut self.equations, chosen.clone(), &first);
+            if self.is_solution(&near) {
+                chosen = near;
+            }
             notes.push(TrimNote::Underdetermined { dimensions: open });
         } else if solved && open > 0 {
             notes.push(TrimNote::Degenerate);
@@ -360,20 +367,27 @@ impl<'a> Search<'a> {
     /// known, the first-order approximation tells.
     fn is_solution(&mut self, found: &Found) -> bool {
         let (f, slopes) = (self.equations.value(&found.z), self.equations.jacobian(&found.z));
+        let mut all_small = true;
         let vanish = combinations(&slopes).iter().all(|c| {
             let slope = c.gradient.norm();
             let combination = self.combination(&c.weights);
+            // A jump changes the sign, too, but its values do not become small.
+            let far = &c.gradient * (CLEAR[2] * (1.0 + found.z.norm()) / slope.max(f64::MIN_POSITIVE));
+            let ends = [&found.z - &far, &found.z + &far].map(|z| c.weights.dot(&self.equations.value(&z)).abs());
+            let value = c.weights.dot(&f).abs();
+            let is_small = value <= SMALL * ends[0].max(ends[1]);
+            all_small &= is_small || value <= ROUNDING;
             CLEAR.into_iter().any(|clear| {
                 let length = clear * (1.0 + found.z.norm());
                 let step = &c.gradient * (length / slope.max(f64::MIN_POSITIVE));
                 match [&found.z - &step, found.z.clone(), &found.z + &step].map(|z| self.sign(combination, &z)) {
                     [_, Some(Ordering::Equal), _] => true,
-                    [Some(before), _, Some(after)] => before != after,
+                    [Some(before), _, Some(after)] => is_small && before != after,
                     _ => slope > 0.0 && c.weights.dot(&f).abs() <= slope * length,
                 }
             })
         });
-        vanish || self.confirmed(found, 1e-3).is_some()
+        vanish || all_small && self.confirmed(found, 1e-3).is_some()
     }
 
     /// The equations with these factors as one expression.

@@ -174,3 +174,12 @@ fn equations_that_hold_elsewhere_do_not_help_one_that_never_holds() {
     let t = searched("states = ['x']\ndynamics = { x = '(x^3 - exp(1/5))^3' }\n", &[], &[], &[]);
     assert_eq!(t.status, TrimStatus::Found, "{t:?}");
 }
+
+/// Where an equation jumps from one sign to the other, it does not vanish.
+#[test]
+fn a_jump_is_no_equilibrium() {
+    for rate in ["atan2(y, x)", "atan2(y - 1, x + 2)", "atan2(x, 3*y)"] {
+        let t = searched(&format!("states = ['x', 'y']\ndynamics = {{ x = '0', y = '{rate}' }}\n"), &[], &[], &[]);
+        assert!(t.status == TrimStatus::NotFound || t.residual < 1e-9, "{rate}: {t:?}");
+    }
+}
