@@ -404,6 +404,18 @@ impl<'d> Reader<'d> {
         for (key, value) in t {
             let name: &str = key.get_ref();
             let number = doc.expression(value, name, &mut self.pool, &mut Constants)?;
+            let mut found = [f64::NAN];
+            if let Ok(tape) = Tape::compile(&self.pool, &[], &[number]) {
+                tape.eval(&[], &mut Vec::new(), &mut found);
+            }
+            if !found[0].is_finite() {
+                let message = format!("the value of `{name}` at the point is no finite number");
+                return Err(doc.error(
+                    value.span(),
+                    message,
+                    "write a constant that has a value, such as 0.3, pi/2, or sqrt(2)",
+                ));
+            }
             let at = |list: &[Symbol]| list.iter().position(|&s| self.pool.name(s) == name);
             if let Some(i) = at(&self.states) {
                 point.states[i] = number;
