@@ -195,9 +195,12 @@ impl CostFunction {
         self.widths.set_share(share);
     }
 
-    /// Finds the sizes of norms; false where there are none.
-    pub(crate) fn measure_norms(&mut self, at: CostPoint<'_>, sizes: &[f64]) -> bool {
+    /// Finds the sizes of norms.
+    pub(crate) fn measure_norms(&mut self, at: CostPoint<'_>, sizes: &[f64]) {
         self.widths.measure(at, sizes);
+    }
+
+    pub(crate) fn has_norms(&self) -> bool {
         !self.widths.are_none()
     }
 

@@ -58,6 +58,41 @@ fn norms_of_any_kind_lead_to_their_goal() {
     }
 }
 
+/// At the goal, a norm costs nothing.
+#[test]
+fn reported_costs_have_exact_norms() {
+    for method in ["rti", "sqp", "plan"] {
+        let text = format!(
+            "horizon = {{ steps = 10, dt = 0.1 }}\ncost = {{ stage = \"sqrt(x^2 + 2*y^2) + 0.01*(vx^2 + vy^2)\" }}\n\
+             solve = {{ method = \"{method}\" }}\nrun = {{ steps = 10 }}"
+        );
+        let report = run(POINT, &text);
+        assert!(report.succeeded && report.closed_loop_cost < 1e-12 && report.open_loop_cost < 1e-12, "{report:?}");
+    }
+}
+
+/// Branches and blocks are not for the interior-point method: there, programs go from wide to sharp norms.
+#[test]
+fn norms_get_sharper_where_programs_are_alone() {
+    let model = "states = [\"x\", \"y\"]\ninputs = [\"vx\", \"vy\"]\nparameters = { k = 1 }\n\
+                 dynamics = { x = \"k*vx\", y = \"vy - 0.1*sin(y)\" }";
+    for (more, blocks) in
+        [("", ", blocks = [1, 1, 2, 3]"), ("uncertainty = { parameters = { k = [0.7, 1, 1.3] } }\n", "")]
+    {
+        for (a, b) in [(1.0, 0.0), (0.6, -0.4)] {
+            let text = format!(
+                "horizon = {{ steps = 15, dt = 0.1{blocks} }}\n{more}\
+                 cost = {{ stage = \"sqrt((x - {a})^2 + (y - {b})^2) + 0.1*(vx^2 + vy^2)\" }}\n\
+                 solve = {{ method = \"sqp\" }}\nrun = {{ steps = 20 }}"
+            );
+            let report = run(model, &text);
+            let end = ["x", "y"].map(|n| report.x_final.get(n).copied().unwrap());
+            assert!(report.succeeded && report.status.inaccurate <= 1, "{more}{blocks}: {report:?}");
+            assert!((end[0] - a).abs().max((end[1] - b).abs()) < 1e-2, "{report:?}");
+        }
+    }
+}
+
 /// Where no plan converges, a loop of one program per sample that does worse than a plan fails, and says why.
 #[test]
 fn a_method_that_is_chosen_for_want_of_a_plan_is_told() {
