@@ -343,9 +343,9 @@ impl ControlProblem {
         self.has_run && self.samples >= OTHER_START && self.has_other_starts()
     }
 
-    /// The guess of found values is a plan, and smoothed friction has starts of its own.
+    /// Free values have a search of their own, after which their guess is a plan, and smoothed friction has other starts.
     fn has_other_starts(&self) -> bool {
-        self.system.is_smooth() && self.found.is_none()
+        self.system.is_smooth() && self.found.is_none() && self.ocp.constant_inputs.is_empty()
     }
 
     /// A plan from another start that costs less than `best` by more than 1 %.
@@ -356,8 +356,11 @@ impl ControlProblem {
         let mut solver = Sqp::new(self.dynamics()?, sqp.ocp().clone(), self.sqp_settings())?;
         let other = solver.solve_first(&self.initial_state(), start)?;
         let [before, now] = [best, &other].map(|s| self.value(&s.trajectory));
-        let less = before - now > OTHER * before.abs().max(now.abs()) || best.status != SolveStatus::Converged;
-        Ok(Some(other).filter(|other| other.status == SolveStatus::Converged && less))
+        // What did not converge may still be close to a plan that is worth more than another that did, as one that misses targets.
+        let is_plan = best.status == SolveStatus::Converged || best.defect <= self.sqp_settings().defect_tolerance;
+        let less = before - now > OTHER * before.abs().max(now.abs());
+        let taken = other.status == SolveStatus::Converged && (less || !is_plan);
+        Ok(taken.then_some(other))
     }
 
     /// Solves from other starts where the plan is not the best one: from a simple input that costs less, and from waves where it
