@@ -71,10 +71,14 @@ pub(super) fn verdict(
     if inaccurate && !as_planned && !(one_program(problem) && undisturbed && is_as_good_as_a_plan(problem, run)?) {
         notes.push(Note::MostlyInaccurate { count: run.counts.inaccurate, of: answered });
     }
-    if !planned && (problem.ocp.targets.is_empty() || problem.ends_early()) {
+    let unfound = problem.found.as_ref().filter(|found| !found.converged);
+    // Targets that are met do not say at what cost.
+    let met = !problem.ocp.targets.is_empty() && !problem.ends_early();
+    let proven = met && (unfound.is_some() || undisturbed && !planned && is_as_good_as_a_plan(problem, run)?);
+    if !planned && !proven {
         notes.push(Note::PlanNotConverged);
     }
-    if let Some(found) = problem.found.as_ref().filter(|found| !found.converged) {
+    if let Some(found) = unfound {
         notes.push(Note::SearchNotConverged { status: found.status.clone(), programs: found.programs });
     }
     if let Some(note) = diverges(problem, run, plan) {

@@ -117,3 +117,28 @@ fn a_method_that_is_chosen_for_want_of_a_plan_is_told() {
     }
     assert!(seen > 0);
 }
+
+/// A plan that does not converge may meet its targets at any cost: the run fails, unless it proves to be as good as a plan.
+#[test]
+fn targets_that_are_met_do_not_excuse_a_plan_that_does_not_converge() {
+    let mut seen = 0;
+    for power in ["1/4", "1/3", "1/5"] {
+        for goal in [0.7, 1.1] {
+            let text = format!(
+                "horizon = {{ steps = 20, dt = 0.1 }}\n\
+                 cost = {{ stage = \"((x - {goal})^2 + (y - 0.5)^2)^({power}) + 0.01*(vx^2 + vy^2)\" }}\n\
+                 target = {{ x = {{ value = 0.2, tolerance = 1e-2 }}, y = {{ value = 0.9, tolerance = 1e-2 }} }}\n\
+                 constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\nrun = {{}}"
+            );
+            let report = run(POINT, &text);
+            let converged = report.plan.as_ref().is_some_and(|p| p.status == "converged");
+            seen += usize::from(!converged);
+            let told = report.notes.iter().any(|n| matches!(n, Note::PlanNotConverged));
+            assert!(converged || told || report.succeeded, "{power} {goal}: {report:?}");
+            // Straight to the goal, a rest, and straight to the target.
+            assert!(converged || told || report.closed_loop_cost < 1.05 * report.open_loop_cost, "{report:?}");
+            assert!(!told || !report.succeeded);
+        }
+    }
+    assert!(seen > 0);
+}
