@@ -85,7 +85,9 @@ impl<'a> SampledLoop<'a> {
         x0: &[f64],
         settings: LoopSettings<'a>,
     ) -> Result<Self, MpcError> {
-        let ocp = controller.ocp().clone();
+        let mut ocp = controller.ocp().clone();
+        // What is done costs what the norms are.
+        ocp.round_norms(0.0);
         check_length("the initial state", x0.len(), ocp.model_states())?;
         let first =
             if settings.initial_input.is_empty() { vec![0.0; ocp.inputs()] } else { settings.initial_input.clone() };

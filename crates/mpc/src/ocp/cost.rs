@@ -17,7 +17,8 @@ use bracketry_system::System;
 ///
 /// Squares w r² with w > 0 have the Gauss–Newton Hessian 2 w ∇r ∇rᵀ with respect to (x, u), which is exact where r is affine. That
 /// of the rest is exact where it is positive semidefinite; elsewhere the negative eigenvalues of each connected block are clipped
-/// to zero. Norms are rounded where they vanish, in derivatives and for the solvers. Absolute values w |e| and w max(a, b) with w > 0 are not differentiated: in a program, slacks take their place.
+/// to zero. Norms are rounded where they vanish, in derivatives and for the solvers. Absolute values w |e| and w max(a, b) with w > 0 are
+/// not differentiated: in a program, slacks take their place.
 #[derive(Clone)]
 pub struct CostFunction {
     variables: usize,
@@ -195,9 +196,12 @@ impl CostFunction {
         self.widths.set_share(share);
     }
 
-    /// Finds the sizes of norms; false where there are none.
-    pub(crate) fn measure_norms(&mut self, at: CostPoint<'_>, sizes: &[f64]) -> bool {
+    /// Finds the sizes of norms.
+    pub(crate) fn measure_norms(&mut self, at: CostPoint<'_>, sizes: &[f64]) {
         self.widths.measure(at, sizes);
+    }
+
+    pub(crate) fn has_norms(&self) -> bool {
         !self.widths.are_none()
     }
 

@@ -305,17 +305,24 @@ impl Ocp {
 
     /// Rounds the norms of the costs by this share of their sizes; false where there are none.
     pub(crate) fn round_norms(&mut self, share: f64) -> bool {
+        if !self.has_norms() {
+            return false;
+        }
         let (mut x, u) = (self.sizes().to_vec(), self.input_trust.clone());
         x.resize(self.states(), 1.0);
         let row = row(&self.references, 0);
-        let mut any = false;
         for (cost, u) in [(&mut self.stage, &u[..]), (&mut self.terminal, &[])] {
             let Some(cost) = cost else { continue };
             let sizes: Vec<f64> = x.iter().chain(u).copied().collect();
-            any |= cost.measure_norms(CostPoint { x: &x, u, t: 0.0, r: &row[..cost.references()] }, &sizes);
+            cost.measure_norms(CostPoint { x: &x, u, t: 0.0, r: &row[..cost.references()] }, &sizes);
             cost.round_norms(share);
         }
-        any
+        true
+    }
+
+    /// Whether the costs have norms.
+    pub(crate) fn has_norms(&self) -> bool {
+        self.stage.iter().chain(&self.terminal).any(CostFunction::has_norms)
     }
 
     /// The parts of [`Ocp::cost`].

@@ -18,6 +18,9 @@ const STAYS: f64 = 1e-2;
 /// Height of waves around the guess, as a share of what an input may change.
 const WAVE: f64 = 0.1;
 
+/// Samples of a run from which on another plan hardly adds to its time.
+pub(super) const OTHER_START: usize = 20;
+
 /// The controller's model, to be rolled out.
 pub(super) enum Rehearsal {
     /// Smooth, or with smoothed friction.
@@ -144,5 +147,13 @@ impl ControlProblem {
         }
         start.clamp_inputs(&self.ocp.input_bounds);
         start
+    }
+
+    /// A start away from the guess: inputs at rest, which is said, or waves where those are the guess.
+    pub(super) fn elsewhere(&self) -> (bool, PlannedTrajectory) {
+        let steps = self.ocp.steps;
+        let rest = PlannedTrajectory::constant(steps, &self.initial_state(), &self.first_input());
+        let at_rest = !self.stays((0..steps).map(|k| rest.u(k)));
+        (at_rest, if at_rest { rest } else { self.waves() })
     }
 }

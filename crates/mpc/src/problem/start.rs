@@ -2,7 +2,7 @@
 
 use super::control_problem::ControlProblem;
 use super::method::{Convergence, Feedback, Method};
-use super::open_loop::Rehearsal;
+use super::open_loop::{OTHER_START, Rehearsal};
 use super::verdict::floor;
 use crate::closed_loop::DelayCompensated;
 use crate::controller::{Controller, Rounded, StepStatus, WithPreviousInput};
@@ -98,10 +98,12 @@ impl ControlProblem {
             self.keep_better(&mut best, other);
         }
         self.solve_again(&mut sqp, &mut best)?;
-        if let Some(better) = self.better_from(&sqp, &best, &second)? {
-            let again = sqp.solve(&x0, &better.trajectory)?;
-            self.keep_better(&mut best, better);
-            self.keep_better(&mut best, again);
+        for start in self.other_starts(second) {
+            if let Some(better) = self.better_from(&sqp, &best, &start)? {
+                let again = sqp.solve(&x0, &better.trajectory)?;
+                self.keep_better(&mut best, better);
+                self.keep_better(&mut best, again);
+            }
         }
         Ok(best)
     }
@@ -314,30 +316,51 @@ impl ControlProblem {
         Ok(best)
     }
 
-    /// As [`ControlProblem::first_solution`], where that is worth another start: from the roll-out of the guess, too.
+    /// The better one of a first solution and those from other starts.
     pub(super) fn best_first_solution(&self, sqp: &mut Sqp, mut best: Solution) -> Result<Solution, MpcError> {
         let x0 = self.initial_state();
         let rolled = sqp.guess(&x0, &self.guess)?;
-        if let Some(better) = self.better_from(sqp, &best, &rolled)? {
-            // The controller goes on from what its solver has solved last.
-            let again = sqp.solve_first(&x0, &better.trajectory)?;
-            self.keep_better(&mut best, better);
-            self.keep_better(&mut best, again);
+        for start in self.other_starts(rolled) {
+            if let Some(better) = self.better_from(sqp, &best, &start)? {
+                // The controller goes on from what its solver has solved last.
+                let again = sqp.solve_first(&x0, &better.trajectory)?;
+                self.keep_better(&mut best, better);
+                self.keep_better(&mut best, again);
+            }
         }
         Ok(best)
     }
 
+    /// Starts beside that of the first solution: `second`, and in runs that are long enough for another plan to hardly add to their time, one
+    /// away from the guess.
+    fn other_starts(&self, second: PlannedTrajectory) -> Vec<PlannedTrajectory> {
+        let elsewhere = self.tries_elsewhere().then(|| self.elsewhere().1);
+        std::iter::once(second).chain(elsewhere).collect()
+    }
+
+    /// Whether plans of this problem start away from the guess, too.
+    pub(super) fn tries_elsewhere(&self) -> bool {
+        self.has_run && self.samples >= OTHER_START && self.has_other_starts()
+    }
+
+    /// Free values have a search of their own, after which their guess is a plan, and smoothed friction has other starts.
+    fn has_other_starts(&self) -> bool {
+        self.system.is_smooth() && self.found.is_none() && self.ocp.constant_inputs.is_empty()
+    }
+
     /// A plan from another start that costs less than `best` by more than 1 %.
     fn better_from(&self, sqp: &Sqp, best: &Solution, start: &PlannedTrajectory) -> Result<Option<Solution>, MpcError> {
-        // The guess of found values is a plan.
-        if !self.system.is_smooth() || self.found.is_some() || !start.is_finite() {
+        if !self.has_other_starts() || !start.is_finite() {
             return Ok(None);
         }
         let mut solver = Sqp::new(self.dynamics()?, sqp.ocp().clone(), self.sqp_settings())?;
         let other = solver.solve_first(&self.initial_state(), start)?;
         let [before, now] = [best, &other].map(|s| self.value(&s.trajectory));
-        let less = before - now > OTHER * before.abs().max(now.abs()) || best.status != SolveStatus::Converged;
-        Ok(Some(other).filter(|other| other.status == SolveStatus::Converged && less))
+        // What did not converge may still be close to a plan that is worth more than another that did, as one that misses targets.
+        let is_plan = best.status == SolveStatus::Converged || best.defect <= self.sqp_settings().defect_tolerance;
+        let less = before - now > OTHER * before.abs().max(now.abs());
+        let taken = other.status == SolveStatus::Converged && (less || !is_plan);
+        Ok(taken.then_some(other))
     }
 
     /// Solves from other starts where the plan is not the best one: from a simple input that costs less, and from waves where it

@@ -5,7 +5,7 @@ use super::cause::Cause;
 use super::control_problem::ControlProblem;
 use super::method::{Feedback, Method, MethodReason};
 use super::notes::Note;
-use super::open_loop::{Held, Rehearsal};
+use super::open_loop::{Held, OTHER_START, Rehearsal};
 use super::progress::{GROSS, Progress};
 use super::signs::jumps;
 use crate::closed_loop::ClosedLoop;
@@ -22,8 +22,6 @@ const IDLE: f64 = 0.1;
 const BEST: f64 = 0.01;
 /// The same for the plan from another start: solutions that differ less are other ways to do the same.
 const ELSEWHERE: f64 = 0.3;
-/// Samples of a run from which on another plan hardly adds to its time.
-const OTHER_START: usize = 20;
 /// Violation of a hard bound, as a share of its scale, below which it does not count: the plant bends otherwise between samples.
 const KEPT: f64 = 0.01;
 /// Share of its size beyond which a state or an input has no bound.
@@ -73,10 +71,14 @@ pub(super) fn verdict(
     if inaccurate && !as_planned && !(one_program(problem) && undisturbed && is_as_good_as_a_plan(problem, run)?) {
         notes.push(Note::MostlyInaccurate { count: run.counts.inaccurate, of: answered });
     }
-    if !planned && (problem.ocp.targets.is_empty() || problem.ends_early()) {
+    let unfound = problem.found.as_ref().filter(|found| !found.converged);
+    // Targets that are met do not say at what cost.
+    let met = !problem.ocp.targets.is_empty() && !problem.ends_early();
+    let proven = met && (unfound.is_some() || undisturbed && !planned && is_as_good_as_a_plan(problem, run)?);
+    if !planned && !proven {
         notes.push(Note::PlanNotConverged);
     }
-    if let Some(found) = problem.found.as_ref().filter(|found| !found.converged) {
+    if let Some(found) = unfound {
         notes.push(Note::SearchNotConverged { status: found.status.clone(), programs: found.programs });
     }
     if let Some(note) = diverges(problem, run, plan) {
@@ -109,7 +111,7 @@ pub(super) fn verdict(
     if !one_program(problem) && planned && problem.is_alone() {
         notes.extend(plan_outdone(problem, plan)?);
         let converged = matches!(problem.method, Method::Sqp { .. } | Method::Plan { .. });
-        if converged && notes.is_empty() && answered >= OTHER_START {
+        if converged && notes.is_empty() && answered >= OTHER_START && !problem.tries_elsewhere() {
             notes.extend(other_start(problem, problem.value(plan))?);
         }
     }
@@ -257,9 +259,7 @@ fn converged_plan(problem: &ControlProblem) -> Result<Option<PlannedTrajectory>,
 /// A plan from another start that costs much less than `planned`: from inputs at rest, or from waves where those are the guess.
 fn other_start(problem: &ControlProblem, planned: f64) -> Result<Option<Note>, MpcError> {
     let steps = problem.ocp.steps;
-    let rest = PlannedTrajectory::constant(steps, &problem.initial_state(), &problem.first_input());
-    let at_rest = !problem.stays((0..steps).map(|k| rest.u(k)));
-    let start = if at_rest { rest } else { problem.waves() };
+    let (at_rest, start) = problem.elsewhere();
     let ocp = problem.ocp.tightened(problem.method.margin());
     let solution =
         Sqp::new(problem.dynamics()?, ocp, problem.sqp_settings())?.solve(&problem.initial_state(), &start)?;

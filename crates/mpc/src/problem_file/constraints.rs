@@ -389,8 +389,8 @@ impl Reader<'_> {
     }
 }
 
-/// √1.01 h − √(‖g‖² + h²/100) for the components g and h: not negative where ‖g‖ ≤ h, smooth also where g vanishes, and h − ‖g‖ within half a percent
-/// near the bound.
+/// √1.01 h − √(‖g‖² + h²/100) for the components g and h: not negative where ‖g‖ ≤ h, smooth also where g vanishes, and h − ‖g‖ within
+/// half a percent near the bound.
 fn smooth_norm(mut g: Vector) -> Vector {
     let pool = &mut g.pool;
     if let Some(h) = g.components.pop() {

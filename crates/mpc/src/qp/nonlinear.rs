@@ -52,7 +52,8 @@ pub(crate) struct NonlinearProgram {
 }
 
 impl NonlinearProgram {
-    /// Lays the problem out; `None` where it has second-order cones (see [`Ocp::with_norm_rows`]), blocks of equal inputs, branches, or inputs that are constant.
+    /// Lays the problem out; `None` where it has second-order cones (see [`Ocp::with_norm_rows`]), blocks of equal inputs, branches, or
+    /// inputs that are constant.
     pub(crate) fn new(ocp: &Ocp, closure: &[bool], hard: f64) -> Option<Self> {
         let m = ocp.inputs();
         let blocked = ocp.block_starts(ocp.steps).iter().enumerate().any(|(i, start)| *start != i / m);

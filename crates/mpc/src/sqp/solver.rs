@@ -7,11 +7,15 @@ use super::trajectory_pool::TrajectoryPool;
 use crate::controller::{SolverEffort, StepLimits};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_flag, check_length, check_value};
-use crate::ocp::Ocp;
+use crate::ocp::{FINEST_ROUNDING, Ocp};
 use crate::qp::{NonlinearProgram, Qp, QpStatus};
 use crate::trajectory::PlannedTrajectory;
 use crate::transcription::{Merit, ShootingLinearization, Transcription};
 use std::time::Instant;
+
+/// Widths of norms, as shares of their sizes, before the last one where the interior-point method does not apply, and most programs for each.
+const ROUNDINGS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+const SHARPENING: usize = 30;
 
 /// The solver: problem, dynamics and memory.
 pub struct Sqp {
@@ -213,6 +217,9 @@ impl Sqp {
         let mut lambda = self.settings.proximal;
         let mut status = SolveStatus::NotANumber;
         if z.is_finite() && widths.is_empty() && self.settings.filter_iterations > 0 {
+            if !warm && self.problem.ocp.has_norms() && !self.prepare_interior_point() {
+                self.sharpen_norms(&mut z, &mut log)?;
+            }
             status = self.solve_smooth(&mut z, warm, &mut log)?;
         } else if z.is_finite() {
             self.qp.forget_multipliers();
@@ -247,7 +254,10 @@ impl Sqp {
         let ocp = &mut self.problem.ocp;
         let mut miss = self.spare.miss();
         miss.extend(ocp.targets.iter().map(|t| z.x(z.steps())[t.state] - t.value));
+        // What is reported has exact norms.
+        ocp.round_norms(0.0);
         let cost = ocp.cost(self.problem.k0, &z);
+        ocp.round_norms(FINEST_ROUNDING);
         Ok(Solution {
             trajectory: z,
             status,
@@ -259,6 +269,22 @@ impl Sqp {
             iterations: log,
             seconds: start.elapsed().as_secs_f64(),
         })
+    }
+
+    /// Goes from the guess to a solution by norms that get sharper, as the interior-point method does by itself.
+    fn sharpen_norms(&mut self, z: &mut PlannedTrajectory, log: &mut Vec<Iteration>) -> Result<(), MpcError> {
+        for share in ROUNDINGS {
+            let before = self.spare.copy(z);
+            self.problem.ocp.round_norms(share);
+            let stop = self.filter_method(z, 0.0, (WIDEST[0], SHARPENING), log)?;
+            if matches!(stop, Stop::QpFailed(_)) || !z.is_finite() {
+                self.spare.replace(z, before);
+            } else {
+                self.spare.give(before);
+            }
+        }
+        self.problem.ocp.round_norms(FINEST_ROUNDING);
+        Ok(())
     }
 
     /// Forgets multipliers, and the Hessian where the choice is automatic.

@@ -58,6 +58,41 @@ fn norms_of_any_kind_lead_to_their_goal() {
     }
 }
 
+/// At the goal, a norm costs nothing.
+#[test]
+fn reported_costs_have_exact_norms() {
+    for method in ["rti", "sqp", "plan"] {
+        let text = format!(
+            "horizon = {{ steps = 10, dt = 0.1 }}\ncost = {{ stage = \"sqrt(x^2 + 2*y^2) + 0.01*(vx^2 + vy^2)\" }}\n\
+             solve = {{ method = \"{method}\" }}\nrun = {{ steps = 10 }}"
+        );
+        let report = run(POINT, &text);
+        assert!(report.succeeded && report.closed_loop_cost < 1e-12 && report.open_loop_cost < 1e-12, "{report:?}");
+    }
+}
+
+/// Branches and blocks are not for the interior-point method: there, programs go from wide to sharp norms.
+#[test]
+fn norms_get_sharper_where_programs_are_alone() {
+    let model = "states = [\"x\", \"y\"]\ninputs = [\"vx\", \"vy\"]\nparameters = { k = 1 }\n\
+                 dynamics = { x = \"k*vx\", y = \"vy - 0.1*sin(y)\" }";
+    for (more, blocks) in
+        [("", ", blocks = [1, 1, 2, 3]"), ("uncertainty = { parameters = { k = [0.7, 1, 1.3] } }\n", "")]
+    {
+        for (a, b) in [(1.0, 0.0), (0.6, -0.4)] {
+            let text = format!(
+                "horizon = {{ steps = 15, dt = 0.1{blocks} }}\n{more}\
+                 cost = {{ stage = \"sqrt((x - {a})^2 + (y - {b})^2) + 0.1*(vx^2 + vy^2)\" }}\n\
+                 solve = {{ method = \"sqp\" }}\nrun = {{ steps = 20 }}"
+            );
+            let report = run(model, &text);
+            let end = ["x", "y"].map(|n| report.x_final.get(n).copied().unwrap());
+            assert!(report.succeeded && report.status.inaccurate <= 1, "{more}{blocks}: {report:?}");
+            assert!((end[0] - a).abs().max((end[1] - b).abs()) < 1e-2, "{report:?}");
+        }
+    }
+}
+
 /// Where no plan converges, a loop of one program per sample that does worse than a plan fails, and says why.
 #[test]
 fn a_method_that_is_chosen_for_want_of_a_plan_is_told() {
@@ -78,6 +113,31 @@ fn a_method_that_is_chosen_for_want_of_a_plan_is_told() {
                 let told = report.notes.iter().any(|n| matches!(n, Note::ChosenWithoutPlan));
                 assert_eq!(told, !report.succeeded, "{:?}", report.notes);
             }
+        }
+    }
+    assert!(seen > 0);
+}
+
+/// A plan that does not converge may meet its targets at any cost: the run fails, unless it proves to be as good as a plan.
+#[test]
+fn targets_that_are_met_do_not_excuse_a_plan_that_does_not_converge() {
+    let mut seen = 0;
+    for power in ["1/4", "1/3", "1/5"] {
+        for goal in [0.7, 1.1] {
+            let text = format!(
+                "horizon = {{ steps = 20, dt = 0.1 }}\n\
+                 cost = {{ stage = \"((x - {goal})^2 + (y - 0.5)^2)^({power}) + 0.01*(vx^2 + vy^2)\" }}\n\
+                 target = {{ x = {{ value = 0.2, tolerance = 1e-2 }}, y = {{ value = 0.9, tolerance = 1e-2 }} }}\n\
+                 constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\nrun = {{}}"
+            );
+            let report = run(POINT, &text);
+            let converged = report.plan.as_ref().is_some_and(|p| p.status == "converged");
+            seen += usize::from(!converged);
+            let told = report.notes.iter().any(|n| matches!(n, Note::PlanNotConverged));
+            assert!(converged || told || report.succeeded, "{power} {goal}: {report:?}");
+            // Straight to the goal, a rest, and straight to the target.
+            assert!(converged || told || report.closed_loop_cost < 1.05 * report.open_loop_cost, "{report:?}");
+            assert!(!told || !report.succeeded);
         }
     }
     assert!(seen > 0);
