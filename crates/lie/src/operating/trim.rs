@@ -76,6 +76,9 @@ pub enum TrimNote {
     },
     /// The Jacobian has not full rank at the solution, which was found to lower accuracy.
     Degenerate,
+    /// The equations vanish to rounding at a point that is not taken for a solution: none of them changes its sign there, and no exact values
+    /// confirm it. It may be a multiple solution, or one of equations that only come near zero.
+    NotConfirmed,
     /// The model's point differs from this solution by rounding only, and is taken for it.
     WithinRounding {
         /// Largest difference of a coordinate.
@@ -236,7 +239,12 @@ pub fn trim(system: &System, options: &TrimOptions) -> Result<Trim, TrimError> {
         }
     }
     let best = best.unwrap_or_else(|| solve(&mut search.equations, &starts[0]));
-    Ok(search.finished(TrimStatus::NotFound, vec![best], limit))
+    let is_unconfirmed = best.solved;
+    let mut found = search.finished(TrimStatus::NotFound, vec![best], limit);
+    if is_unconfirmed {
+        found.notes.push(TrimNote::NotConfirmed);
+    }
+    Ok(found)
 }
 
 struct Search<'a> {

@@ -96,8 +96,9 @@ fn many_simple_eigenvalues_are_told_apart() {
         // b_i = a_i + a_(i+1): b_i' = −√(i + 1) b_i + (√(i + 1) − √(i + 2)) (b_(i+1) − b_(i+2) + …).
         let mut rates = vec!["u".to_owned()];
         for i in 1..=n {
-            let rest: String =
-                (i + 1..=n).map(|j| format!("{}a{j}", if (j - i) % 2 == 1 { "+" } else { "-" })).collect();
+            let sign = |j: usize| if (j - i) % 2 == 1 { "+" } else { "-" };
+            let rest: Vec<String> = (i + 1..=n).map(|j| format!("{}a{j}", sign(j))).collect();
+            let rest = rest.concat();
             let rest = if rest.is_empty() { "0".to_owned() } else { rest };
             rates.push(format!("-sqrt({})*a{i} + (sqrt({}) - sqrt({}))*({rest})", i + 1, i + 1, i + 2));
         }

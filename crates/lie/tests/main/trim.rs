@@ -170,6 +170,11 @@ fn equations_that_hold_elsewhere_do_not_help_one_that_never_holds() {
             }
         }
     }
+    // A double solution that no exact value confirms, and what only comes near zero, are not told apart.
+    for rate in ["x^2 - 2*exp(1/5)*x + exp(2/5)", "exp(-x)"] {
+        let t = searched(&format!("states = ['x']\ndynamics = {{ x = '{rate}' }}\n"), &[], &[], &[]);
+        assert!(t.status == TrimStatus::NotFound && t.notes.contains(&TrimNote::NotConfirmed), "{rate}: {t:?}");
+    }
     // A multiple solution that is no simple constant.
     let t = searched("states = ['x']\ndynamics = { x = '(x^3 - exp(1/5))^3' }\n", &[], &[], &[]);
     assert_eq!(t.status, TrimStatus::Found, "{t:?}");

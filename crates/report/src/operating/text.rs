@@ -17,6 +17,10 @@ pub(super) fn note(n: &TrimNote) -> String {
         TrimNote::Degenerate => {
             "the Jacobian does not have full rank here: the solution is a multiple root and less accurate".to_owned()
         }
+        TrimNote::NotConfirmed => "the equations vanish there to rounding, but none changes its sign, and no exact values confirm it: \
+                                   this may be a multiple solution, or a point where they only come near zero; to use it, write it \
+                                   into [point]"
+            .to_owned(),
         TrimNote::WithinRounding { distance } => format!(
             "the model's point differs from this one by at most {distance:.1e}, which is rounding: it is accepted as \
              this operating point"
