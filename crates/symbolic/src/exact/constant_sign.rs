@@ -141,10 +141,12 @@ impl Interval {
         }
     }
 
-    /// The number that it holds, where its ends are the same `f64` or next to each other.
+    /// A number of type `f64` in it, where its ends round to the same one, or to one and those beside it: about such a number, no interval
+    /// is so small that both ends round to it.
     fn value(&self) -> Option<f64> {
         let (low, high) = (self.low.to_f64().value(), self.high.to_f64().value());
-        (low.is_finite() && high.is_finite() && high <= low.next_up()).then_some(low)
+        let middle = low.next_up().min(high);
+        (low.is_finite() && high.is_finite() && high <= middle.next_up()).then_some(middle)
     }
 
     /// Itself, unless its ends are too large or too small to compute with.
@@ -316,6 +318,28 @@ mod tests {
                 assert!(low - rounding <= value[0] && value[0] <= high + rounding, "{text}: {low} {} {high}", value[0]);
                 assert!(high - low <= rounding, "{text} with {bits} bits: {low} {high}");
             }
+        }
+    }
+
+    #[test]
+    fn values_are_right_to_the_last_digit_whatever_cancels() {
+        let mut pool = Pool::new();
+        for (text, value) in [
+            ("sin(pi/2)", 1.0),
+            ("2*cos(pi/3) + tan(pi/4)", 2.0),
+            ("(1 + 10^(-40))^(1/3) - 1", 1e-40 / 3.0),
+            ("(exp(10^(-30)) - 1)*10^30", 1.0),
+            ("sqrt(2)*sqrt(3) - sqrt(6)", 0.0),
+            ("abs(sqrt(8) - 2*sqrt(2)) - 5", -5.0),
+            ("log(10^16 + 1) - log(10^16)", 1e-16),
+        ] {
+            let e = pool.parse(text).unwrap();
+            let found = pool.constant_value(e, &Bindings::new()).unwrap();
+            assert!((found - value).abs() <= 3e-16 * value.abs(), "{text}: {found:e} {value:e}");
+        }
+        for text in ["log(-1)", "1/(sqrt(2)*sqrt(3) - sqrt(6))", "x", "exp(exp(exp(10)))"] {
+            let e = pool.parse(text).unwrap();
+            assert_eq!(pool.constant_value(e, &Bindings::new()), None, "{text}");
         }
     }
 
