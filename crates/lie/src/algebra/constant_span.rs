@@ -21,6 +21,9 @@ pub(crate) struct Words {
     pub(crate) fresh: Range<usize>,
 }
 
+/// Most values of fields at points that are held at once.
+const MAX_VALUES: f64 = 2e7;
+
 impl Words {
     /// Keeps of `candidates` a maximal set that is independent, over the constants, of itself and what is kept.
     ///
@@ -48,6 +51,9 @@ impl Words {
             let certain = all.len() + 1;
             // Independence at fewer points is independence; only dependence needs them all.
             for points in [(all.len() / n + 2).min(certain), certain] {
+                if (all.len() * n) as f64 * points as f64 > MAX_VALUES {
+                    return Err(Undecided::TooMany { products: MAX_VALUES });
+                }
                 let samples = pool.sample_in::<OFFSET>(&all.concat(), bindings, points, CONSTANTS_SEED)?;
                 let mut echelon = Echelon::empty(points * n);
                 let row = |i: usize| samples.values.iter().flat_map(move |v| v[i * n..(i + 1) * n].iter().copied());
