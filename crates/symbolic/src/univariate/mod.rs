@@ -192,7 +192,7 @@ impl UnivariatePolynomial {
         let mut roots = Vec::new();
         if p.coefficients()[0] == IBig::ZERO {
             roots.push(RealRoot::exactly(Rational::ZERO));
-            p = IntegerPolynomial::of(&self.square_free().rational()[1..]);
+            p = IntegerPolynomial::of(&p.rational()[1..]);
         }
         let mirrored: Vec<Rational> =
             p.rational().into_iter().enumerate().map(|(k, c)| if k % 2 == 1 { -c } else { c }).collect();
