@@ -7,6 +7,7 @@ use bracketry_system::{Point, System};
 use nalgebra::DVector;
 use serde::Serialize;
 
+use crate::algebra::combination::rational_combination;
 use crate::operating::confirm::confirmed;
 use crate::operating::elimination::combinations;
 use crate::operating::equations::Equations;
@@ -400,14 +401,9 @@ impl<'a> Search<'a> {
 
     /// The equations with these factors as one expression.
     fn combination(&mut self, weights: &DVector<f64>) -> Expr {
+        let weights: Vec<Rational> = weights.iter().map(|&w| Rational::try_from(w).unwrap_or(Rational::ZERO)).collect();
         let (pool, equations) = &mut self.exact;
-        let mut sum = pool.int(0);
-        for (&weight, &equation) in weights.iter().zip(equations.iter()) {
-            let factor = pool.rational(Rational::try_from(weight).unwrap_or(Rational::ZERO));
-            let term = pool.mul(factor, equation);
-            sum = pool.add(sum, term);
-        }
-        sum
+        rational_combination(pool, equations, &weights)
     }
 
     /// The sign of an expression of the free variables; `None` where it is not known.
