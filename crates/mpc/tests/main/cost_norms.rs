@@ -93,26 +93,33 @@ fn norms_get_sharper_where_programs_are_alone() {
     }
 }
 
+/// Costs with a cusp at a goal, for which no plan converges, with their powers and goals; `more` is added to each problem.
+fn cusps(more: &str) -> Vec<(&'static str, f64, String)> {
+    let goals = |power: &'static str| [0.7, 1.1].map(|goal| (power, goal));
+    let problem = |(power, goal): (&'static str, f64)| {
+        let text = format!(
+            "horizon = {{ steps = 20, dt = 0.1 }}\n\
+             cost = {{ stage = \"((x - {goal})^2 + (y - 0.5)^2)^({power}) + 0.01*(vx^2 + vy^2)\" }}\n\
+             constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\n{more}"
+        );
+        (power, goal, text)
+    };
+    ["1/4", "1/3", "1/5"].into_iter().flat_map(goals).map(problem).collect()
+}
+
 /// Where no plan converges, a loop of one program per sample that does worse than a plan fails, and says why.
 #[test]
 fn a_method_that_is_chosen_for_want_of_a_plan_is_told() {
     let mut seen = 0;
-    for power in ["1/4", "1/3", "1/5"] {
-        for goal in [0.7, 1.1] {
-            let text = format!(
-                "horizon = {{ steps = 20, dt = 0.1 }}\n\
-                 cost = {{ stage = \"((x - {goal})^2 + (y - 0.5)^2)^({power}) + 0.01*(vx^2 + vy^2)\" }}\n\
-                 constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\nrun = {{ steps = 40 }}"
-            );
-            let report = run(POINT, &text);
-            let end = ["x", "y"].map(|n| report.x_final.get(n).copied().unwrap());
-            let arrived = (end[0] - goal).abs().max((end[1] - 0.5).abs()) < 0.02;
-            assert!(arrived || !report.succeeded, "{power} {goal}: {report:?}");
-            if matches!(report.method_reason, MethodReason::NotConverging) {
-                seen += 1;
-                let told = report.notes.iter().any(|n| matches!(n, Note::ChosenWithoutPlan));
-                assert_eq!(told, !report.succeeded, "{:?}", report.notes);
-            }
+    for (power, goal, text) in cusps("run = { steps = 40 }") {
+        let report = run(POINT, &text);
+        let end = ["x", "y"].map(|n| report.x_final.get(n).copied().unwrap());
+        let arrived = (end[0] - goal).abs().max((end[1] - 0.5).abs()) < 0.02;
+        assert!(arrived || !report.succeeded, "{power} {goal}: {report:?}");
+        if matches!(report.method_reason, MethodReason::NotConverging) {
+            seen += 1;
+            let told = report.notes.iter().any(|n| matches!(n, Note::ChosenWithoutPlan));
+            assert_eq!(told, !report.succeeded, "{:?}", report.notes);
         }
     }
     assert!(seen > 0);
@@ -122,23 +129,16 @@ fn a_method_that_is_chosen_for_want_of_a_plan_is_told() {
 #[test]
 fn targets_that_are_met_do_not_excuse_a_plan_that_does_not_converge() {
     let mut seen = 0;
-    for power in ["1/4", "1/3", "1/5"] {
-        for goal in [0.7, 1.1] {
-            let text = format!(
-                "horizon = {{ steps = 20, dt = 0.1 }}\n\
-                 cost = {{ stage = \"((x - {goal})^2 + (y - 0.5)^2)^({power}) + 0.01*(vx^2 + vy^2)\" }}\n\
-                 target = {{ x = {{ value = 0.2, tolerance = 1e-2 }}, y = {{ value = 0.9, tolerance = 1e-2 }} }}\n\
-                 constraints = {{ vx = {{ min = -1, max = 1 }}, vy = {{ min = -1, max = 1 }} }}\nrun = {{}}"
-            );
-            let report = run(POINT, &text);
-            let converged = report.plan.as_ref().is_some_and(|p| p.status == "converged");
-            seen += usize::from(!converged);
-            let told = report.notes.iter().any(|n| matches!(n, Note::PlanNotConverged));
-            assert!(converged || told || report.succeeded, "{power} {goal}: {report:?}");
-            // Straight to the goal, a rest, and straight to the target.
-            assert!(converged || told || report.closed_loop_cost < 1.05 * report.open_loop_cost, "{report:?}");
-            assert!(!told || !report.succeeded);
-        }
+    let target = "target = { x = { value = 0.2, tolerance = 1e-2 }, y = { value = 0.9, tolerance = 1e-2 } }\nrun = {}";
+    for (power, goal, text) in cusps(target) {
+        let report = run(POINT, &text);
+        let converged = report.plan.as_ref().is_some_and(|p| p.status == "converged");
+        seen += usize::from(!converged);
+        let told = report.notes.iter().any(|n| matches!(n, Note::PlanNotConverged));
+        assert!(converged || told || report.succeeded, "{power} {goal}: {report:?}");
+        // Straight to the goal, a rest, and straight to the target.
+        assert!(converged || told || report.closed_loop_cost < 1.05 * report.open_loop_cost, "{report:?}");
+        assert!(!told || !report.succeeded);
     }
     assert!(seen > 0);
 }
