@@ -98,7 +98,7 @@ pub enum NotLinearizable {
     /// A derivative has no finite value.
     #[error("the derivative of {of} with respect to {by} has no finite value at the point")]
     NotFinite {
-        /// State or output.
+        /// Rate of a state, such as x', or output.
         of: String,
         /// State or input.
         by: String,
@@ -131,7 +131,7 @@ impl LinearModel {
         let (dynamics, outputs) = frame.smooth_equations()?;
         let (states, inputs) = (original.states.clone(), original.inputs.clone());
         let of = |k: usize| match k.checked_sub(states.len()) {
-            None => original.symbol_name(states[k]).to_owned(),
+            None => format!("{}'", original.symbol_name(states[k])),
             Some(k) => original.outputs.get(k).map_or_else(String::new, |o| o.0.clone()),
         };
         let states_are_outputs = original.outputs.is_empty();

@@ -107,7 +107,9 @@ pub enum StabilizableReason {
     #[error("{0} is constant, so states with another value of it do not approach the point")]
     Conserved(Function),
     /// Bounded inputs hold the state on a surface.
-    #[error("for all admissible inputs, states on {surface} = 0 stay there, and {kept} is constant on it")]
+    #[error(
+        "near the point, for all admissible inputs, states on {surface} = 0 stay there, and {kept} is constant on it"
+    )]
     Sticks {
         /// The switching function.
         surface: Function,

@@ -146,7 +146,9 @@ pub enum StlcReason {
     #[error("{0} is constant in every mode at the point")]
     Invariant(Function),
     /// Filippov's solutions stay on a surface.
-    #[error("for all admissible inputs, the motion stays on {0} = 0: both modes drive it there (Filippov)")]
+    #[error(
+        "near the point, for all admissible inputs, the motion stays on {0} = 0: no mode leads away from it (Filippov)"
+    )]
     Sticks(Function),
     /// An input crosses the surface between two modes.
     #[error(

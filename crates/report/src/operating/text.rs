@@ -85,7 +85,14 @@ pub fn trim_text(model: &str, trim: &Trim) -> String {
     lines.join("\n") + "\n"
 }
 
+/// Larger tables cannot be read.
+const MAX_ENTRIES: usize = 30;
+
 fn matrix(name: &str, m: &DMatrix<f64>) -> String {
+    if m.ncols().max(m.nrows()) > MAX_ENTRIES {
+        let filled = m.iter().filter(|v| **v != 0.0).count();
+        return format!("  {name} is {} × {}, {filled} entries are not 0 (--json prints them)", m.nrows(), m.ncols());
+    }
     let cells: Vec<Vec<String>> = m.row_iter().map(|r| r.iter().map(|x| readable(*x)).collect()).collect();
     table(name, &cells)
 }
@@ -108,7 +115,7 @@ fn formulas(name: &str, m: &LinearMatrix) -> Option<String> {
     let cells: Vec<Vec<String>> = m.formulas.iter().map(|r| r.iter().map(ToString::to_string).collect()).collect();
     let named = cells.iter().flatten().any(|c| c.parse::<f64>().is_err());
     let short = cells.iter().flatten().all(|c| c.chars().count() <= MAX_FORMULA);
-    (named && short).then(|| table(name, &cells))
+    (named && short && m.values.ncols().max(m.values.nrows()) <= MAX_ENTRIES).then(|| table(name, &cells))
 }
 
 fn complex((re, im): (f64, f64)) -> String {
