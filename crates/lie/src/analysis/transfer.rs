@@ -142,7 +142,12 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
     if transfer.feedback {
         return;
     }
-    let resting = point.stabilizable_reason == Some(StabilizableReason::Stable);
+    let resting = match &point.stabilizable_reason {
+        Some(StabilizableReason::Stable) => true,
+        // Values inside of the ranges, from which feedback moves the inputs to both sides.
+        Some(StabilizableReason::OtherInputs { .. }) => affinization.method == Method::None,
+        _ => false,
+    };
     if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable
         && !resting
     {
