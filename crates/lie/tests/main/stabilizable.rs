@@ -215,4 +215,16 @@ proptest! {
         let other = matches!(why, Some(StabilizableReason::OtherInputs { .. }));
         prop_assert!(other);
     }
+
+    /// z' = xʲ (y + p(x) y²): where x is not 0, y moves z to both sides. In Z = z + q x y the equilibria are the same.
+    #[test]
+    fn brocketts_condition_by_equilibria_nearby(j in 1_i64..4, p in -2_i64..3, q in -2_i64..3) {
+        let rate = format!("x^{j}*(y + {p}*y^2) + {q}*(y*u + x*v)");
+        let r = report("x y Z", "u v", &["u", "v", &rate], &[], &AnalysisOptions::default());
+        prop_assert_eq!(r.brockett_condition, Some(Answer::Known(true)), "{}", rate);
+        // With a square, z moves to one side of every equilibrium.
+        let rate = format!("x^{}*y^2 + {q}*(y*u + x*v)", 2 * j);
+        let r = report("x y Z", "u v", &["u", "v", &rate], &[], &AnalysisOptions::default());
+        prop_assert_eq!(r.brockett_condition, Some(Answer::Known(false)), "{}", rate);
+    }
 }
