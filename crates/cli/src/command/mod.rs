@@ -71,8 +71,8 @@ enum Command {
         ("What it does",
             "Analyzes the published model of a plate that moves an object without grasping it. Closes the loop twice with \
              this model: on its own equations, and on a plant with contact over the whole footprint (a simulation). Diagnoses \
-             the logs, and controls the plant with the extended model. Takes half a minute on two cores. Results are written \
-             to out/demo, or to --out, as each chapter ends. The folder is reserved for this command."),
+             the logs, and controls the plant with the extended model. Takes about 40 s on two cores. Results are written \
+             to out/demo, or to --out, at the end of each chapter. The folder must be empty, new, or written by an earlier demo."),
         ("Exit codes", "0  the extended model reaches the target, and the published one does not\n\
              1  any other outcome; see the report\n2  bad input"),
     ]))]
