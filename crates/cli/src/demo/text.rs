@@ -53,7 +53,11 @@ impl fmt::Display for MoveOnEquations {
         writeln!(f)?;
         for s in &self.two.stages {
             let verdict = if s.met { "met" } else { "not met" };
-            writeln!(f, "  two steps: experiment {} from {:.2} s to {:.2} s, target {verdict}", s.name, s.from, s.to)?;
+            writeln!(
+                f,
+                "  two steps: experiment {} from {:.2} s to {:.2} s, target of this stage {verdict}",
+                s.name, s.from, s.to
+            )?;
         }
         if self.two.remaining_spin.abs() > 2f64.to_radians() {
             writeln!(
@@ -69,12 +73,7 @@ impl fmt::Display for MoveOnEquations {
         )?;
         let [linearize, qp, rest] = self.step_split();
         let (t, c) = (&report.solve_ms, &report.status);
-        writeln!(
-            f,
-            "\n  bounds between samples: stroke exceeded by {:.3} mm, tilt by {:.4}° at most",
-            1e3 * a.stroke_excess_m,
-            a.tilt_excess_deg
-        )?;
+        writeln!(f, "\n  bounds between samples: {}", bounds_kept(1e3 * a.stroke_excess_m, a.tilt_excess_deg))?;
         writeln!(
             f,
             "  control step: median {:.2} ms, 99 % below {:.2} ms, sampling period {:.0} ms; {:.1} × real time\n  \
@@ -151,6 +150,15 @@ fn duration(shortest: Option<f64>, duration: f64) -> String {
             "The shortest plan that arrives takes {shortest:.2} s. The move takes {duration:.2} s, which leaves a reserve for feedback."
         ),
         None => format!("No shorter plan arrives. The move takes {duration:.2} s."),
+    }
+}
+
+/// Whether stroke and tilt stay within their bounds between samples, to the digits that are printed.
+fn bounds_kept(stroke_mm: f64, tilt_deg: f64) -> String {
+    if stroke_mm < 5e-4 && tilt_deg < 5e-5 {
+        "all kept".to_owned()
+    } else {
+        format!("largest violation: stroke {stroke_mm:.3} mm, tilt {tilt_deg:.4}°")
     }
 }
 
