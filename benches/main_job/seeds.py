@@ -96,7 +96,7 @@ def chapters(result: dict) -> list[str]:
         return [number(None if m is None else m[name], ".2f", " s") for m in [published, extended]]
 
     rows = [["shortest plan that arrives", *time("shortest_s")], ["duration of the move", *time("duration_s")]]
-    for what, loop in [("closed loop", "arrival"), ("plan alone", "plan_arrival")]:
+    for what, loop in [("closed loop", "arrival"), ("open loop", "plan_arrival")]:
         rows.append([f"{what}, x", *both("x_m", 1e3, "+.2f", " mm", loop)])
         rows.append([f"{what}, y", *both("y_m", 1e3, "+.2f", " mm", loop)])
         rows.append([f"{what}, yaw", *both("phi_deg", 1, "+.2f", "°", loop)])

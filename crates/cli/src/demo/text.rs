@@ -24,7 +24,7 @@ pub(super) const SECOND: &str = "2. Position and orientation together, on the pu
 pub(super) const THIRD: &str = "3. The same controller on the true plant\n";
 pub(super) const FOURTH: &str = "4. What the published model gets wrong\n";
 pub(super) const FIFTH: &str = "5. What the extended model changes in what the inputs reach\n";
-pub(super) const SIXTH: &str = "6. The extended model in control of the true plant\n";
+pub(super) const SIXTH: &str = "6. Control of the true plant with the extended model\n";
 
 impl fmt::Display for MoveOnEquations {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -98,7 +98,7 @@ impl fmt::Display for MoveOnPlant {
             "Final errors with predictions by the {}, on the plant with contact over the whole footprint:\n",
             self.model
         )?;
-        writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "plan alone")?;
+        writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "open loop")?;
         let (a, p) = (&self.arrival, &self.plan_arrival);
         let mut row = |what: &str, closed: f64, alone: f64, unit: &str| {
             writeln!(f, "  {what:<16} {:>16} {:>16}", format!("{closed:+.2} {unit}"), format!("{alone:+.2} {unit}"))
@@ -129,7 +129,7 @@ impl fmt::Display for MoveOnPlant {
             1e3 * self.problem.conditions.noise[0],
             self.problem.conditions.noise[2].to_degrees()
         )?;
-        for (what, stopped) in [("closed loop", &self.stopped), ("plan alone", &self.plan_stopped)] {
+        for (what, stopped) in [("closed loop", &self.stopped), ("open loop", &self.plan_stopped)] {
             if let Some(reason) = stopped.as_ref().map(ended) {
                 writeln!(f, "  The {what} ends early: {reason}. Its errors are those at that time.")?;
             }
@@ -150,6 +150,18 @@ fn duration(shortest: Option<f64>, duration: f64) -> String {
             "The shortest plan that arrives takes {shortest:.2} s. The move takes {duration:.2} s, which leaves a reserve for feedback."
         ),
         None => format!("No shorter plan arrives. The move takes {duration:.2} s."),
+    }
+}
+
+/// Names as a list in a sentence, in alphabetical order.
+fn all_of(names: &[&str]) -> String {
+    let mut names = names.to_vec();
+    names.sort_unstable();
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, [first])) => format!("{first} and {last}"),
+        Some((last, rest)) => format!("{}, and {last}", rest.join(", ")),
+        None => String::new(),
     }
 }
 
@@ -221,14 +233,15 @@ impl Story {
     pub(super) fn title(&self) -> &'static str {
         match (self.as_published.reached(), &self.extended) {
             (false, Some(moved)) if moved.reached() => {
-                "The vibrating plate: from published equations that miss the plant to a controller that reaches its target"
+                "The vibrating plate: from published equations that do not match the plant to a controller that reaches \
+                 its target"
             }
             (true, _) => "The vibrating plate: the published equations reach the target on the plant too",
             (false, Some(_)) => {
                 "The vibrating plate: neither the published nor the extended equations reach the target"
             }
             (false, None) => {
-                "The vibrating plate: the published equations miss the plant, and the diagnosis names no cause"
+                "The vibrating plate: the published equations do not match the plant, and the diagnosis names no cause"
             }
         }
     }
@@ -236,9 +249,10 @@ impl Story {
     /// The outcome in two sentences.
     pub(super) fn verdict(&self) -> String {
         let first = if self.as_published.reached() {
-            "The controller of the published model reaches its target on the true plant too."
+            "The controller based on the published model reaches its target on the true plant too."
         } else {
-            "The controller of the published model reaches its target on its own equations and misses it on the true plant."
+            "The controller based on the published model reaches its target on the model's own equations but misses it on the \
+             true plant."
         };
         let (unnamed, named): (Vec<&NamedCause>, Vec<_>) =
             self.diagnosis.report.causes.iter().partition(|c| c.name == Cause::UnknownTerm);
@@ -253,7 +267,7 @@ impl Story {
             }
         }
         let mut causes: Vec<String> =
-            equations.iter().map(|(name, of)| format!("{name} in {}", of.join(" and "))).collect();
+            equations.iter().map(|(name, of)| format!("{name} in {}", all_of(of))).collect();
         if causes.is_empty() {
             causes.push("no cause".to_owned());
         }
@@ -265,7 +279,7 @@ impl Story {
             Some(moved) => {
                 let reached = if moved.reached() { "reaches it" } else { "misses it as well" };
                 format!(
-                    "The diagnosis names these causes: {}{unnamed}. The model extended by them {reached}.",
+                    "The diagnosis names these causes: {}{unnamed}. With the model extended by these terms, the controller {reached}.",
                     causes.join("; ")
                 )
             }
