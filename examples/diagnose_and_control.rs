@@ -1,4 +1,4 @@
-//! What a diagnosis is worth in control: the reference move on a plate that is otherwise than believed, planned and
+//! What a diagnosis is worth in control: the reference move on a plate that differs from its model, planned and
 //! corrected with the model as it was and as the diagnosis extended it.
 //!
 //! An effect is hidden in the plant with contact over the whole footprint. A multisine is recorded with noise, the model of a
