@@ -136,7 +136,7 @@ enum Command {
         UNITS,
     ]))]
     Control(control::ControlArgs),
-    /// Find the errors of a model from measured data: cause, extended model, gain
+    /// Find what a model lacks from measured data: causes, extended model, improvement
     #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
         ("Exit codes",
             "0  a cause is named, or nothing is wrong\n\
@@ -157,7 +157,7 @@ enum Command {
     /// Stiffness of a robot: identify it from measurements and compensate for the deformation
     #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
     Stiffness(StiffnessCommand),
-    /// Print the script that completes commands and options in a shell
+    /// Print a shell completion script
     #[command(after_help = examples(&shell::COMPLETION_EXAMPLES))]
     Completions(shell::CompletionsArgs),
     /// Manual pages: print one, or write all of them into a folder with --out

@@ -266,8 +266,7 @@ impl Story {
                 None => equations.push((name, vec![&c.equation])),
             }
         }
-        let mut causes: Vec<String> =
-            equations.iter().map(|(name, of)| format!("{name} in {}", all_of(of))).collect();
+        let mut causes: Vec<String> = equations.iter().map(|(name, of)| format!("{name} in {}", all_of(of))).collect();
         if causes.is_empty() {
             causes.push("no cause".to_owned());
         }
