@@ -112,7 +112,12 @@ class Words(unittest.TestCase):
             return list(words.places(pathlib.Path(folder)))
 
     def test_a_turn_is_found_with_its_place(self):
-        self.assertEqual(self.places("Good.\nThe colour is red.\n"), ["a.md:2: `colour`: write color"])
+        spelled = "col" + "our"
+        self.assertEqual(self.places(f"Good.\nThe {spelled} is red.\n"), [f"a.md:2: `{spelled}`: write color"])
+
+    def test_a_turn_of_documents_may_stand_in_code(self):
+        self.assertEqual(self.places("`it_is_refused` is a test.\n"), [])
+        self.assertEqual(self.places("It is refused.\n"), ["a.md:1: `refused`: write rejected"])
 
     def test_an_old_key_is_exempt(self):
         self.assertEqual(self.places("`centre` is a key.\n"), [])
