@@ -3,7 +3,7 @@
 
 usage: seeds.py [--seeds 1-20] [--command target/release/bracketry] [--record | --confirm]
 
-Without --record the table is printed only. Each seed draws other excitations and other noise of the camera. With --confirm the
+Without --record the table is printed only. With --record or --confirm, the figures of the default seed are copied to docs/figures. Each seed draws other excitations and other noise of the camera. With --confirm the
 default seed alone is run: if its numbers are those of the record, to the last digit, the record is stated to hold for the programs
 as they are now. For changes that leave results as they are.
 """
@@ -22,14 +22,16 @@ from concurrent.futures import ThreadPoolExecutor
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 RECORD = ROOT / "docs/records/main_job.md"
+# Figures of the documents: the file of the demonstration, and its name in docs/figures.
+FIGURES = {"extended.gif": "main_job.gif", "before_and_after.png": "main_job_before_and_after.png"}
 BEGIN, END = "<!-- seeds: begin -->", "<!-- seeds: end -->"
 sys.path.insert(0, str(ROOT / ".ci"))
 from main_job import problems  # noqa: E402
 from records import RECORDS, STAMP, stamp  # noqa: E402
 
 
-def run(command: str, seed: int | None, folder: pathlib.Path) -> dict:
-    """The result of one seed, with its times and memory."""
+def run(command: str, seed: int | None, folder: pathlib.Path, draws: bool = False) -> dict:
+    """The result of one seed, with its times and memory; the default seed may also draw the figures of the documents."""
     out = folder / f"seed_{seed}"
     arguments = [command, "demo", "--json", "--out", str(out)] + ([] if seed is None else ["--seed", str(seed)])
     start = time.monotonic()
@@ -43,6 +45,9 @@ def run(command: str, seed: int | None, folder: pathlib.Path) -> dict:
     result = json.loads(done.stdout)
     processor, peak = done.stderr.split()[-2:]
     result.update(processor_s=float(processor), elapsed_s=time.monotonic() - start, peak_mb=int(peak) / 1024)
+    if draws and seed is None:
+        for name, figure in FIGURES.items():
+            shutil.copy(out / name, ROOT / "docs/figures" / figure)
     shutil.rmtree(out, ignore_errors=True)
     print(" | ".join(row("default" if seed is None else seed, result)), file=sys.stderr, flush=True)
     return result
@@ -147,7 +152,7 @@ def confirm(command: str) -> int:
     """Runs the default seed, and renews the date of the record if nothing but times has changed."""
     folder = pathlib.Path(tempfile.mkdtemp())
     try:
-        result = run(command, None, folder)
+        result = run(command, None, folder, draws=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     record = RECORD.read_text()
@@ -182,7 +187,7 @@ def main() -> int:
     try:
         seeds = [None, *range(first, last + 1)]
         with ThreadPoolExecutor(arguments.jobs) as pool:
-            results = dict(zip(seeds, pool.map(lambda seed: run(arguments.command, seed, folder), seeds)))
+            results = dict(zip(seeds, pool.map(lambda seed: run(arguments.command, seed, folder, arguments.record), seeds)))
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     header = ["seed", "passed", "x, mm", "y, mm", "yaw, °", "at rest from, s", "gain at 0.1 / 0.5 / 1 s", "processor, s",

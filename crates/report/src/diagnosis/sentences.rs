@@ -36,8 +36,8 @@ fn outcome(outcome: &Outcome) -> String {
         ),
         Outcome::Explained => "with the named causes, the residual is at noise level".to_owned(),
         Outcome::PartlyExplained { share, size } => format!(
-            "the named causes explain {} of the excess of the refitted model; the remaining residual, {size:.2} \
-             times the noise, is still structured",
+            "the named causes explain {} of the excess of the refitted model (its squared residual above the noise); \
+             the remaining residual, {size:.2} times the noise, is still structured",
             most(*share)
         ),
         Outcome::NotBorneOut { size, share } => format!(

@@ -44,7 +44,8 @@ pub fn from_rest_map_text(map: &FromRestMap) -> String {
         }
     }
     if map.reason.is_none() {
-        lines.extend(counts.into_iter().map(|(text, n)| format!("  {n} cells: {text}")));
+        let all = map.cells.iter().flatten().count();
+        lines.extend(counts.into_iter().map(|(text, n)| format!("  {n} of {all} cells: {text}")));
     }
     lines.join("\n") + "\n"
 }
