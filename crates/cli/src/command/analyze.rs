@@ -36,7 +36,7 @@ pub(crate) const EXAMPLES: [(&str, &str); 8] = [
         "bracketry analyze model.toml --identifiability --known-initial x1=0",
     ),
     (
-        "Which rest states are reached under dry friction",
+        "Rest states that are reachable under dry friction",
         "bracketry analyze models/shaken_table.toml --from-rest --bounds \"der(X,2)=-4..4\"",
     ),
     ("Write report, affine model, and figures to a folder", "bracketry analyze models/cart_pole.toml --out out"),
@@ -68,20 +68,20 @@ pub(crate) struct AnalyzeArgs {
     /// may be repeated
     #[arg(long = "bracket", value_name = "BRACKET")]
     brackets: Vec<String>,
-    /// Function of states and parameters: do the outputs determine it while the parameters are unknown? May be
+    /// Function of states and parameters to test: do the outputs determine it if the parameters are unknown? May be
     /// repeated
     #[arg(long, value_name = "EXPR")]
     determines: Vec<String>,
     #[command(flatten)]
     pub(crate) time_limit: TimeLimit,
-    /// Which rest states inputs within bounds reach from the rest state at the point, under dry friction
+    /// Report which rest states bounded inputs can reach, under dry friction, from the rest state at the point
     #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability"])]
     from_rest: bool,
     /// Bounds of inputs, of their derivatives, and of states, such as "der(X,2)=-4..4,theta=-0.2..0.2", for --from-rest;
-    /// beside the ranges of the model
+    /// in addition to the ranges of the model
     #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true, requires = "from_rest")]
     bounds: Option<String>,
-    /// Parameters whose values are left open, or "symbolic" for all: at which of their values do the verdicts change?
+    /// Treat these parameters as symbolic ("symbolic": all) and list the values at which verdicts change
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
     /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; with --from-rest over two bounds, such as

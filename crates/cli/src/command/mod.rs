@@ -71,8 +71,8 @@ enum Command {
         ("What it does",
             "Analyzes the published model of a plate that moves an object without grasping it. Closes the loop twice with \
              this model: on its own equations, and on a plant with contact over the whole footprint (a simulation). Diagnoses \
-             the logs, and controls the plant with the extended model. Takes half a minute on two cores. Results are written \
-             to out/demo, or to --out, as each chapter ends. The folder is reserved for this command."),
+             the logs, and controls the plant with the extended model. Takes about 40 s on two cores. Results are written \
+             to out/demo, or to --out, at the end of each chapter. The folder must be empty, new, or written by an earlier demo."),
         ("Exit codes", "0  the extended model reaches the target, and the published one does not\n\
              1  any other outcome; see the report\n2  bad input"),
     ]))]
@@ -136,7 +136,7 @@ enum Command {
         UNITS,
     ]))]
     Control(control::ControlArgs),
-    /// Find the errors of a model from measured data: cause, extended model, gain
+    /// Find what a model lacks from measured data: causes, extended model, improvement
     #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
         ("Exit codes",
             "0  a cause is named, or nothing is wrong\n\
@@ -157,7 +157,7 @@ enum Command {
     /// Stiffness of a robot: identify it from measurements and compensate for the deformation
     #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
     Stiffness(StiffnessCommand),
-    /// Print the script that completes commands and options in a shell
+    /// Print a shell completion script
     #[command(after_help = examples(&shell::COMPLETION_EXAMPLES))]
     Completions(shell::CompletionsArgs),
     /// Manual pages: print one, or write all of them into a folder with --out

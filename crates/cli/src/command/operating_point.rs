@@ -33,7 +33,7 @@ pub(crate) struct PointArgs {
     /// Value of a state or input, such as th=pi/2; comma-separated; may be repeated
     #[arg(long = "fix", value_name = "NAME=VALUE,…")]
     fixed: Vec<String>,
-    /// Input to search for; other inputs stay at the model's point; may be repeated
+    /// Input to solve for; the other inputs keep their values at the model's point; may be repeated
     #[arg(long = "free", value_name = "NAME")]
     free: Vec<String>,
     /// State whose derivative need not vanish, such as a position at constant speed; may be repeated

@@ -13,7 +13,7 @@ use super::{CommonArgs, Outcome};
 /// Shown by the help.
 pub(crate) const COMPLETION_EXAMPLES: [(&str, &str); 3] = [
     ("bash", "bracketry completions bash > ~/.local/share/bash-completion/completions/bracketry"),
-    ("zsh", "bracketry completions zsh > ~/.zfunc/_bracketry   # with fpath+=~/.zfunc before compinit"),
+    ("zsh (with fpath+=~/.zfunc before compinit)", "bracketry completions zsh > ~/.zfunc/_bracketry"),
     ("fish", "bracketry completions fish > ~/.config/fish/completions/bracketry.fish"),
 ];
 

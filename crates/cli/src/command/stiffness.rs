@@ -12,7 +12,7 @@ use clap::{Args, Subcommand};
 use serde::Serialize;
 
 use super::file_kind::{FileKind, Given};
-use super::help::{EXIT_CODES, guide};
+use super::help::guide;
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::style::warning;
@@ -24,6 +24,21 @@ pub(crate) const EXAMPLES: [(&str, &str); 2] = [
     ("Corrected references along a log", "bracketry stiffness compensate log.csv models/kr125.toml --out out"),
 ];
 
+const IDENTIFY_CODES: (&str, &str) =
+    ("Exit codes", "0  identified\n1  the data determine neither joint springs nor a compliance\n2  bad input");
+const POSES_CODES: (&str, &str) = (
+    "Exit codes",
+    "0  chosen\n1  chosen, but the measurements would not identify all stiffnesses\n2  bad input, or fewer rows than --count",
+);
+const WEIGH_CODES: (&str, &str) = (
+    "Exit codes",
+    "0  identified\n2  bad input, or the readings do not separate the quantities; the message says which",
+);
+const COMPENSATE_CODES: (&str, &str) = (
+    "Exit codes",
+    "0  compensated\n1  no sample could be used, or the loop with --process-stiffness is not stable\n2  bad input",
+);
+
 /// Commands of `stiffness`. All take a table and the robot file, in either order.
 #[derive(Subcommand)]
 pub(crate) enum StiffnessCommand {
@@ -31,7 +46,7 @@ pub(crate) enum StiffnessCommand {
     #[command(after_help = guide(
         &[("Write the completed robot file and figures to a folder", "bracketry stiffness identify data.csv models/kr125.toml --out out")],
         &[("Table", "Columns q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes), and \
-            dx, dy, dz, rx, ry, rz (m, rad, base axes)."), EXIT_CODES],
+            dx, dy, dz, rx, ry, rz (m, rad, base axes)."), IDENTIFY_CODES],
     ))]
     Identify {
         #[command(flatten)]
@@ -44,7 +59,7 @@ pub(crate) enum StiffnessCommand {
     #[command(after_help = guide(
         &[("Choose twenty", "bracketry stiffness poses candidates.csv models/kr125.toml --count 20 --out out")],
         &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes): \
-            poses that the robot can reach, with loads that can be applied there."), EXIT_CODES],
+            poses that the robot can reach, with loads that can be applied there."), POSES_CODES],
     ))]
     Poses {
         #[command(flatten)]
@@ -56,7 +71,7 @@ pub(crate) enum StiffnessCommand {
     /// Identify the payload on the force sensor and the bias of the sensor from readings at rest
     #[command(after_help = guide(
         &[("From readings", "bracketry stiffness weigh readings.csv models/kr125.toml")],
-        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor). The payload touches nothing. Three or more orientations are needed, tilted about two axes."), EXIT_CODES],
+        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor). The payload touches nothing. Three or more orientations are needed, tilted about two axes."), WEIGH_CODES],
     ))]
     Weigh {
         #[command(flatten)]
@@ -69,7 +84,7 @@ pub(crate) enum StiffnessCommand {
             ("With a process stiffness of 50 N/mm", "bracketry stiffness compensate log.csv models/kr125.toml --process-stiffness 5e4"),
         ],
         &[("Log", "Columns t, q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), and r1 … rn \
-            where references differ from what was measured."), EXIT_CODES],
+            where references differ from what was measured."), COMPENSATE_CODES],
     ))]
     Compensate {
         #[command(flatten)]

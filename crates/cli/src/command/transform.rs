@@ -33,8 +33,8 @@ pub(crate) struct TransformArgs {
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
     /// Form: brunovsky (chains of integrators by static feedback), byrnes-isidori (outputs with their derivatives, internal
-    /// states, zero dynamics), kalman (controllable and observable parts), accessible (what no input influences), observable
-    /// (what no output shows), observer (linear up to functions of the output), flat (states and inputs from flat outputs),
+    /// states, zero dynamics), kalman (controllable and observable parts), accessible (what no input influences, separated
+    /// from the rest), observable (what the outputs determine, separated from the rest), observer (linear up to functions of the output), flat (states and inputs from flat outputs),
     /// chained (two inputs without drift)
     #[arg(long, value_name = "FORM")]
     to: Form,

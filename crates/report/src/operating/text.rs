@@ -134,13 +134,16 @@ fn rank(name: &str, r: Rank) -> String {
     format!("  {name}: rank {} of {}{}", r.rank, r.of, if r.exact { "" } else { " (up to rounding)" })
 }
 
+/// A minimizer is known to about the root of the rounding of the minimum; a smaller imaginary part is not shown.
+const MINIMIZER: f64 = 1e-7;
+
 fn margin(name: &str, d: Option<&Distance>) -> String {
     match d {
         Some(d) => format!(
             "  {name}: between {} and {} in the spectral norm; the nearest mode is {}",
             readable(d.lower),
             readable(d.upper),
-            complex(d.at)
+            complex(if d.at.1.abs() < MINIMIZER * d.at.0.abs() { (d.at.0, 0.0) } else { d.at })
         ),
         None => format!("  {name}: not found, a singular value decomposition did not converge"),
     }
