@@ -25,6 +25,39 @@ pub const RADAU_3: [[f64; 3]; 3] = [
     [(16.0 - ROOT_6) / 36.0, (16.0 + ROOT_6) / 36.0, 1.0 / 9.0],
 ];
 
+/// The inverse of A in the basis of its eigenvectors: `A⁻¹ = T diag(real, alpha ∓ i beta) T⁻¹`, the complex pair by real and imaginary
+/// parts, as [`RADAU_3_TRANSFORMED`] gives it.
+#[derive(Clone, Copy, Debug)]
+pub struct Transformed {
+    /// The real eigenvalue.
+    pub real: f64,
+    /// Real part of the complex ones.
+    pub alpha: f64,
+    /// Their imaginary part.
+    pub beta: f64,
+    /// T, by rows.
+    pub matrix: [[f64; 3]; 3],
+    /// T⁻¹, by rows.
+    pub inverse: [[f64; 3]; 3],
+}
+
+/// The eigenvalues of the inverse of [`RADAU_3`] (Hairer and Wanner, section IV.8).
+pub const RADAU_3_TRANSFORMED: Transformed = Transformed {
+    real: 3.637_834_252_744_496,
+    alpha: 2.681_082_873_627_752_3,
+    beta: 3.050_430_199_247_410_5,
+    matrix: [
+        [0.094_438_762_488_975_24, -0.141_255_295_020_954_2, 0.030_029_194_105_147_42],
+        [0.250_213_122_965_333_3, 0.204_129_352_293_799_94, -0.382_942_112_757_261_9],
+        [1.0, 1.0, 0.0],
+    ],
+    inverse: [
+        [4.178_718_591_551_904, 0.327_682_820_761_062_37, 0.523_376_445_499_449_5],
+        [-4.178_718_591_551_904, -0.327_682_820_761_062_37, 0.476_623_554_500_550_5],
+        [0.502_872_634_945_786_8, -2.571_926_949_855_605, 0.596_039_204_828_224_9],
+    ],
+};
+
 /// Coefficients of a Runge–Kutta method: X_i = x + h Σ_j a_ij f(t + c_j h, X_j), x₁ = x + h Σ_j b_j f(t + c_j h, X_j).
 ///
 /// ```

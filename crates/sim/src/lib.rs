@@ -5,7 +5,8 @@
 //! sticking, where `s` solves `σ̇ = 0` and holds as long as `|s| ≤ 1`. Events are located to about 1e-12 s, all switching
 //! functions that vanish together get their next modes together, and what sticks is kept on `σ = 0` so that it does not creep.
 //! A switch may also be a unit vector `s = σ/|σ|`, any vector of the unit ball where `σ = 0`: dry friction on a plane.
-//! Near rest, where its direction is attracted ever faster, the steps are implicit (Radau IIA).
+//! Near rest, where its direction is attracted ever faster, the steps are implicit (Radau IIA). So they are where a smooth field is
+//! stiff, which is found out during the simulation.
 //!
 //! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`ExactPlant`] do so
 //! piece by piece, as in a control loop.

@@ -36,6 +36,13 @@ pub trait Switched {
         false
     }
 
+    /// Writes `∂f_i/∂x_j` for given signs and directions into `jacobian[i * n + j]`, which arrives zeroed, for the steps that stiff
+    /// fields need. False (the default) if it is not known; then it is found by differences.
+    fn jacobian(&mut self, t: f64, x: &[f64], s: &[f64], jacobian: &mut [f64]) -> bool {
+        let _ = (t, x, s, jacobian);
+        false
+    }
+
     /// Writes the switching functions `σ(t, x)` into `sigma` (`k`).
     fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]);
 
@@ -198,6 +205,10 @@ impl<S: Switched> Switched for Coupled<S> {
 
     fn rhs(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64]) {
         self.system.rhs(t, x, s, dx);
+    }
+
+    fn jacobian(&mut self, t: f64, x: &[f64], s: &[f64], jacobian: &mut [f64]) -> bool {
+        self.system.jacobian(t, x, s, jacobian)
     }
 
     fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]) {

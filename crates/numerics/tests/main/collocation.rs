@@ -1,7 +1,7 @@
 //! Rules and methods against published coefficients and their order.
 
 use approx::assert_relative_eq;
-use bracketry_numerics::collocation::{GAUSS_5, RADAU_3, RADAU_3_NODES, Tableau};
+use bracketry_numerics::collocation::{GAUSS_5, RADAU_3, RADAU_3_NODES, RADAU_3_TRANSFORMED, Tableau};
 
 #[test]
 fn published_coefficients_come_out() {
@@ -19,6 +19,25 @@ fn published_coefficients_come_out() {
     let radau = Tableau::radau_iia(3);
     assert_relative_eq!(radau.c[0], (4.0 - 6f64.sqrt()) / 10.0, epsilon = 1e-14);
     assert_relative_eq!(radau.b[2], 1.0 / 9.0, epsilon = 1e-14);
+}
+
+/// `T⁻¹ A T` times the blocks of the eigenvalues is the identity.
+#[test]
+fn the_basis_of_eigenvectors_splits_the_radau_method() {
+    let basis = RADAU_3_TRANSFORMED;
+    let product = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|l| a[i][l] * b[l][j]).sum()))
+    };
+    let blocks = [[basis.real, 0.0, 0.0], [0.0, basis.alpha, basis.beta], [0.0, -basis.beta, basis.alpha]];
+    let both =
+        [product(basis.inverse, basis.matrix), product(product(basis.inverse, product(RADAU_3, basis.matrix)), blocks)];
+    for identity in both {
+        for (i, row) in identity.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                assert_relative_eq!(*entry, f64::from(u8::from(i == j)), epsilon = 1e-13);
+            }
+        }
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@
 
 use super::search::{minimum, root};
 use crate::friction::{Field, FrictionMode, NEGLIGIBLE, SIMULTANEOUS, norm};
-use crate::integrate::Step;
+use crate::integrate::{Method, Step};
 
 /// Where in a step the gaps are sampled.
 const SAMPLES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -170,7 +170,7 @@ impl Search<'_, '_> {
     fn evaluate(&mut self, theta: f64) {
         let t = self.surfaces_at(theta);
         let sticks = self.field.modes.contains(&FrictionMode::Sticking);
-        if sticks && self.step.implicit {
+        if sticks && self.step.method == Method::Directions {
             self.field.set_directions(&self.step.interpolate_directions(theta));
         }
         let solved = !sticks || self.field.evaluate((t, &self.locator.x), &mut self.locator.dx);
@@ -229,7 +229,7 @@ impl Search<'_, '_> {
             });
             largest + CALM * range.map(|r| r * r).sum::<f64>().sqrt() < 1.0
         };
-        !self.step.implicit && self.field.in_mode(FrictionMode::Sticking).all(calm)
+        self.step.method == Method::Explicit && self.field.in_mode(FrictionMode::Sticking).all(calm)
     }
 
     /// Whether the samples of a gap disagree with the cubic through its ends so much that a zero may hide.

@@ -4,16 +4,13 @@
 //! stiffly accurate) with the directions of the stages as unknowns: `|σ(t_i, X_i)| s_i = σ(t_i, X_i)`. Written so, the
 //! equations stay well conditioned down to `σ = 0`, from where a unit vector starts when it breaks loose.
 
-use super::dense::third_difference;
+use super::dense::{EMBEDDED, third_difference};
 use super::step::{Attempt, Control, RADAU_STAGES, Step};
 use crate::friction::{Field, FrictionMode, divide, norm};
 use bracketry_numerics::collocation::{RADAU_3 as A, RADAU_3_NODES as C};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// The embedded third-order error (Hairer and Wanner's, without their filter) is this times the third divided difference
-/// of the field.
-const EMBEDDED: f64 = 0.0275;
 const ITERATIONS: usize = 15;
 /// Change of the stages from one iteration to the next, relative to the tolerance.
 const CONVERGED: f64 = 1e-3;

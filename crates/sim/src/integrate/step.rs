@@ -1,6 +1,7 @@
 //! One step from the present point: its stages, its end, its continuous extension.
 
 use super::dense::{interpolate, node_weights};
+use super::newton::Newton;
 use crate::friction::{Field, FrictionMode};
 use crate::settings::SimulationSettings;
 
@@ -16,6 +17,17 @@ pub(crate) struct Control<'a> {
     pub(crate) settings: &'a SimulationSettings,
     /// Whether the errors of the sticking signs count.
     pub(crate) signs: bool,
+}
+
+/// How a step is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Method {
+    /// The explicit pair of Dormand and Prince.
+    Explicit,
+    /// Radau IIA with the directions of unit vectors near zero as unknowns.
+    Directions,
+    /// Radau IIA with the states as unknowns.
+    Stiff,
 }
 
 /// What became of an attempted step.
@@ -39,8 +51,8 @@ pub(crate) struct Step {
     pub(crate) signs: [Vec<f64>; 7],
     /// Whether the first stage is that of the present point and modes.
     pub(crate) started: bool,
-    /// Whether the step is implicit.
-    pub(crate) implicit: bool,
+    pub(crate) method: Method,
+    pub(crate) newton: Newton,
     pub(crate) end: Vec<f64>,
     /// Five vectors of the continuous extension.
     pub(crate) coefficients: Vec<f64>,
@@ -56,7 +68,8 @@ impl Step {
             k: std::array::from_fn(|_| vec![0.0; n]),
             signs: std::array::from_fn(|_| vec![0.0; k]),
             started: false,
-            implicit: false,
+            method: Method::Explicit,
+            newton: Newton::default(),
             end: vec![0.0; n],
             coefficients: vec![0.0; 5 * n],
         }
@@ -71,6 +84,7 @@ impl Step {
     pub(crate) fn start(&mut self, field: &mut Field<'_>) -> bool {
         field.apply_modes();
         field.hold_departing();
+        self.newton.break_off();
         self.started = field.evaluate((self.t, &self.x), &mut self.k[0]);
         self.signs[0].copy_from_slice(&field.s);
         self.started
@@ -131,12 +145,13 @@ impl Step {
         interpolate(&self.coefficients, self.x.len(), theta, x);
     }
 
-    /// Signs and directions at the start and the nodes of an implicit step; none of an explicit one, where the states tell them.
+    /// Signs and directions at the start and the nodes of a step that solves for directions; none of others, where the states tell
+    /// them.
     pub(crate) fn implicit_signs(&self) -> Option<[&[f64]; 4]> {
-        self.implicit.then(|| RADAU_STAGES.map(|stage| &self.signs[stage][..]))
+        (self.method == Method::Directions).then(|| RADAU_STAGES.map(|stage| &self.signs[stage][..]))
     }
 
-    /// Signs and directions at fraction `theta` of an implicit step, not of unit length.
+    /// Signs and directions at fraction `theta` of a step that solves for directions, not of unit length.
     pub(crate) fn interpolate_directions(&self, theta: f64) -> Vec<f64> {
         let weights = node_weights(theta);
         let of = |c: usize| (0..4).map(|l| weights[l] * self.signs[RADAU_STAGES[l]][c]).sum();
@@ -145,6 +160,11 @@ impl Step {
 
     /// Goes to the end of the attempted step of length `h`, where what sticks is projected.
     pub(crate) fn accept(&mut self, field: &mut Field<'_>, h: f64) {
+        if self.method == Method::Stiff {
+            self.newton.accept(h, &self.coefficients);
+        } else {
+            self.newton.break_off();
+        }
         std::mem::swap(&mut self.x, &mut self.end);
         self.t += h;
         field.project(self.t, &mut self.x);

@@ -4,7 +4,7 @@
 //! geometrically. What falls below the resolution of the tolerance while it shrinks has arrived: the last step has a fixed
 //! direction.
 
-use super::step::Step;
+use super::step::{Method, Step};
 use crate::friction::{Field, FrictionMode};
 
 /// Part of the time to zero that a step may use.
@@ -81,14 +81,14 @@ impl Stiffness {
             }
             longest = longest.min((SHARE * after).max(10.0 * step.shortest()));
         }
-        if self.nearest < before && before.is_finite() && !step.implicit {
+        if self.nearest < before && before.is_finite() && step.method != Method::Directions {
             // The direction turns at a rate that grows like 1/|σ|.
             *length *= self.nearest / before;
         }
         if longest.is_finite() { Approach::Within(longest) } else { Approach::None }
     }
 
-    /// Whether a step of length `h` from the present point, after `attempts` of others, has to be implicit.
+    /// Whether a step of length `h` from the present point, after `attempts` of others, has to solve for the directions.
     pub(crate) fn is_stiff(&mut self, field: &mut Field<'_>, step: &Step, h: f64, attempts: usize) -> bool {
         if field.in_mode(FrictionMode::Sliding).any(|i| field.departing[i]) {
             return true;
@@ -101,7 +101,7 @@ impl Stiffness {
             self.influence = influence.map_or(0.0, |m| m.amax());
             self.measured = Some(attempts);
         }
-        let limit = if step.implicit { 0.5 * STIFF } else { STIFF };
+        let limit = if step.method == Method::Directions { 0.5 * STIFF } else { STIFF };
         h * self.influence > limit * self.nearest
     }
 }

@@ -27,6 +27,7 @@ pub struct Model {
     /// Shared by clones.
     tapes: Arc<Tapes>,
     affine_results: Vec<f64>,
+    jacobian_results: Vec<f64>,
     /// The gradients of the switching functions; where they have one value, it stands here.
     gradients: Vec<f64>,
     constant_gradients: bool,
@@ -105,6 +106,7 @@ impl Model {
             gradients: vec![0.0; tapes.gradients.n_outputs()],
             constant_gradients: tapes.gradients.code().is_empty()
                 && tapes.gradients.outputs().iter().all(|&r| r as usize >= tapes.gradients.n_inputs()),
+            jacobian_results: Vec::new(),
             tapes: Arc::new(tapes),
             work: Vec::new(),
             impulses: driven.impulses,
@@ -297,6 +299,19 @@ impl Switched for Model {
         let (field, derivatives) = self.affine_results.split_at(self.n);
         dx.copy_from_slice(field);
         by_sign.copy_from_slice(derivatives);
+        true
+    }
+
+    fn jacobian(&mut self, t: f64, x: &[f64], s: &[f64], jacobian: &mut [f64]) -> bool {
+        self.point_with_signs(t, x, s);
+        let Some(derivatives) = self.tapes.jacobian.get() else {
+            return false;
+        };
+        self.jacobian_results.resize(derivatives.entries.len(), 0.0);
+        derivatives.tape.eval(&self.arguments, &mut self.work, &mut self.jacobian_results);
+        for (&(i, j), v) in derivatives.entries.iter().zip(&self.jacobian_results) {
+            jacobian[i * self.n + j] = *v;
+        }
         true
     }
 

@@ -6,8 +6,9 @@ use super::switch_expressions::{
     Differentiate, ModelSwitch, derivatives, model_switches, plain_surfaces, surface_gradients,
     with_derivatives_by_signs, without_set_values,
 };
-use bracketry_symbolic::{Expr, Symbol, Tape};
+use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
 use bracketry_system::SwitchedForm;
+use std::sync::OnceLock;
 
 /// Derivatives of the field, compiled.
 #[derive(Debug, Clone)]
@@ -22,8 +23,53 @@ pub(super) struct Derivatives {
     pub(super) surfaces_move: bool,
 }
 
+/// The field's derivatives by the states, compiled where they are asked for first: most fields are not stiff.
+#[derive(Default)]
+pub(super) struct FieldJacobian {
+    pool: Pool,
+    arguments: Vec<Symbol>,
+    states: Vec<Symbol>,
+    field: Vec<Expr>,
+    compiled: OnceLock<Option<SparseJacobian>>,
+}
+
+/// Row, column and value of the derivatives that are not zero everywhere.
+#[derive(Debug)]
+pub(super) struct SparseJacobian {
+    pub(super) entries: Vec<(usize, usize)>,
+    pub(super) tape: Tape,
+}
+
+impl std::fmt::Debug for FieldJacobian {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("FieldJacobian").field("compiled", &self.compiled).finish_non_exhaustive()
+    }
+}
+
+impl FieldJacobian {
+    /// The compiled derivatives; none where they cannot be compiled.
+    pub(super) fn get(&self) -> Option<&SparseJacobian> {
+        self.compiled.get_or_init(|| self.compile()).as_ref()
+    }
+
+    fn compile(&self) -> Option<SparseJacobian> {
+        let mut pool = self.pool.clone();
+        let (mut entries, mut derivatives) = (Vec::new(), Vec::new());
+        for (i, &f) in self.field.iter().enumerate() {
+            for (j, e) in pool.gradient(f, &self.states).into_iter().enumerate() {
+                if !pool.is_zero(e) {
+                    entries.push((i, j));
+                    derivatives.push(e);
+                }
+            }
+        }
+        let tape = Tape::compile(&pool, &self.arguments, &derivatives).ok()?;
+        Some(SparseJacobian { entries, tape })
+    }
+}
+
 /// Functions of time, states, slots and, for some, signs.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Tapes {
     pub(super) field: Tape,
     /// The field and its derivatives by the signs, if it is affine in them.
@@ -34,10 +80,11 @@ pub(super) struct Tapes {
     pub(super) outputs: Tape,
     pub(super) measures: Tape,
     pub(super) derivatives: Option<Derivatives>,
+    pub(super) jacobian: FieldJacobian,
 }
 
 impl Tapes {
-    /// Compiles a driven system, whose last `measures` outputs see the signs, and its switches.
+    /// Compiles a driven system, whose last `measures` outputs see the signs, and its switches; the expressions leave the system.
     pub(super) fn compile(
         driven: &mut Driven,
         form: &SwitchedForm,
@@ -68,9 +115,10 @@ impl Tapes {
             let expressions = pool.substitute_all(expressions, &driven.values);
             Tape::compile(pool, arguments, &expressions)
         };
+        let field = compile(&all, &form.dynamics)?;
         let (outputs, driving) = driven.outputs.split_at(driven.outputs.len() - inputs);
-        let tapes = Self {
-            field: compile(&all, &form.dynamics)?,
+        let mut tapes = Self {
+            field,
             affine: affine.map(|expressions| compile(&all, &expressions)).transpose()?,
             surfaces: compile(&smooth, &surfaces)?,
             gradients: compile(&smooth, &gradients)?,
@@ -85,7 +133,11 @@ impl Tapes {
                 }
                 None => None,
             },
+            jacobian: FieldJacobian::default(),
         };
+        let field = pool.substitute_all(&form.dynamics, &driven.values);
+        let (states, pool) = (driven.system.states.clone(), std::mem::take(pool));
+        tapes.jacobian = FieldJacobian { pool, arguments: all, states, field, compiled: OnceLock::new() };
         Ok((tapes, switches))
     }
 }

@@ -3,7 +3,7 @@
 use crate::Switched;
 use crate::events::{Guard, Locator};
 use crate::friction::{Filippov, FrictionMode, ZeroSet};
-use crate::integrate::{Step, Stiffness};
+use crate::integrate::{Regime, Step, Stiffness};
 use crate::outcome::{Outcome, Statistics};
 use crate::sensitivity::Path;
 use crate::settings::{SimError, SimulationSettings};
@@ -36,6 +36,7 @@ pub struct Stepper<S: ?Sized> {
     h: f64,
     segment_end: f64,
     stiffness: Stiffness,
+    regime: Regime,
     locator: Locator,
     zero: ZeroSet,
     guard: Guard,
@@ -61,6 +62,7 @@ impl<S: Switched> Stepper<S> {
             h: 0.0,
             segment_end: f64::NEG_INFINITY,
             stiffness: Stiffness::new(),
+            regime: Regime::new(),
             locator: Locator::new(x.len(), field.modes.len()),
             zero: ZeroSet::default(),
             guard: Guard::default(),

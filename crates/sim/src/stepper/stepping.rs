@@ -4,7 +4,7 @@ use super::Stepper;
 use crate::Switched;
 use crate::events::{Scan, gap_at_end};
 use crate::friction::{FrictionMode, SIMULTANEOUS, resolve};
-use crate::integrate::{Approach, Attempt, Control, Step, attempt};
+use crate::integrate::{Approach, Attempt, Control, Method, Step, attempt};
 use crate::outcome::{Outcome, StopReason};
 use crate::sensitivity::FieldBefore;
 
@@ -91,6 +91,7 @@ impl Stepper<dyn Switched + '_> {
         // A segment that goes on in the same modes is as stiff as the one before, nearly.
         if field.modes != before {
             self.stiffness.forget();
+            step.newton.forget();
         }
         field.departing.fill(false);
         for entry in &zero.entries {
@@ -134,6 +135,10 @@ impl Stepper<dyn Switched + '_> {
                 failed => {
                     self.statistics.rejected += 1;
                     most = 1.0;
+                    match failed {
+                        Attempt::Error(_) => self.regime.note_rejected(&self.step, h, &self.settings),
+                        _ => self.regime.note_failure(&self.step, h),
+                    }
                     self.h = match failed {
                         Attempt::Error(error) => h * (0.9 * error.powf(self.exponent())).clamp(0.1, 0.9),
                         _ => 0.25 * h,
@@ -165,7 +170,11 @@ impl Stepper<dyn Switched + '_> {
             }
             // A step cut short by its limit says nothing against the length before.
             if !(at_limit && self.h >= most * h) {
-                let growth = (0.9 * error.max(1e-10).powf(self.exponent())).clamp(0.2, most);
+                let mut growth = (0.9 * error.max(1e-10).powf(self.exponent())).clamp(0.2, most);
+                if self.step.method == Method::Stiff && self.step.newton.keeps_length() && (1.0..1.2).contains(&growth)
+                {
+                    growth = 1.0;
+                }
                 self.h = if at_limit { self.h.max(h * growth) } else { h * growth };
             }
             return Ok(());
@@ -184,13 +193,19 @@ impl Stepper<dyn Switched + '_> {
             return Err(StopReason::StepTooSmall);
         }
         let attempts = self.attempts();
-        self.step.implicit = self.stiffness.is_stiff(&mut self.field, &self.step, h, attempts);
+        self.step.method = if self.stiffness.is_stiff(&mut self.field, &self.step, h, attempts) {
+            Method::Directions
+        } else if self.regime.is_stiff() {
+            Method::Stiff
+        } else {
+            Method::Explicit
+        };
         Ok(h)
     }
 
     /// By which power of its error a step's length changes: the error estimates are of order 5 and 4.
     fn exponent(&self) -> f64 {
-        if self.step.implicit { -0.25 } else { -0.2 }
+        if self.step.method == Method::Explicit { -0.2 } else { -0.25 }
     }
 
     fn attempt(&mut self, h: f64, control_signs: bool) -> Attempt {
@@ -217,6 +232,7 @@ impl Stepper<dyn Switched + '_> {
         if let Some(path) = &mut self.path {
             path.push_step(&self.step, h, &self.field.modes);
         }
+        self.regime.note(&mut self.step, h, &self.settings);
         self.step.accept(&mut self.field, h);
         self.statistics.steps += 1;
         self.guard.go_on();
@@ -261,7 +277,7 @@ impl Stepper<dyn Switched + '_> {
         if after > self.step.shortest() {
             let Self { field, step, settings, .. } = self;
             field.hold_directions(field.arriving_with(switch, &step.x, settings.atol));
-            step.implicit = false;
+            step.method = Method::Explicit;
             let solved = self.reaches(after);
             self.field.release_directions();
             if !solved {

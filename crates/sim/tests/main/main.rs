@@ -18,5 +18,6 @@ mod set_valued;
 mod smoothing_splines;
 mod static_level;
 mod stick_slip;
+mod stiff;
 mod stop_flag;
 mod time_stepping;
