@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Prints the licenses of all crates that a crate links, with their texts: `python3 packaging/licenses.py bracketry-cli > THIRDPARTY.txt`.
+"""Writes the licenses of all crates that a crate links, with their texts: `packaging/licenses.py bracketry-cli THIRDPARTY.txt`.
 
-Equal texts are printed once, below the names of all crates that have them.
+Equal texts are written once, below the names of all crates that have them.
 """
 
 import json
@@ -42,10 +42,11 @@ if __name__ == "__main__":
     packages = linked(metadata, sys.argv[1])
     if not packages:
         sys.exit(f"{sys.argv[1]}: no such crate, or it links no others")
-    of = {}
+    lines, of = [], {}
     for package in packages:
-        print(f"{package['name']} {package['version']}: {package['license'] or 'see the text'}")
+        lines.append(f"{package['name']} {package['version']}: {package['license'] or 'see the text'}")
         for text in texts(package):
             of.setdefault(text, []).append(f"{package['name']} {package['version']}")
     for text, names in of.items():
-        print(f"\n{'=' * 80}\n{', '.join(names)}\n{'=' * 80}\n\n{text}")
+        lines.append(f"\n{'=' * 80}\n{', '.join(names)}\n{'=' * 80}\n\n{text}")
+    pathlib.Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")

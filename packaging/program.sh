@@ -16,7 +16,7 @@ esac
 cp "$built/$program" "dist/$folder/"
 cp crates/README.md "dist/$folder/README.md"
 cp -r LICENSE-MIT LICENSE-APACHE CITATION.cff models crates/plot/assets/LICENSE-DejaVu.txt "dist/$folder/"
-python3 packaging/licenses.py bracketry-cli >"dist/$folder/THIRDPARTY.txt"
+packaging/licenses.py bracketry-cli "dist/$folder/THIRDPARTY.txt"
 for shell in bash zsh fish; do
     "$built/$program" completions "$shell" >"dist/$folder/completions/bracketry.$shell"
 done

@@ -8,6 +8,7 @@ python3 -m venv "$clean"
 programs=$clean/bin
 test -d "$programs" || programs=$clean/Scripts   # Windows
 "$programs/python" -m pip install --quiet --disable-pip-version-check dist/*.whl
+"$programs/python" -m pip show --files bracketry | grep THIRDPARTY.txt >/dev/null
 cd "$clean"   # away from the sources
 "$programs/bracketry" --version
 "$programs/bracketry" new mass >/dev/null

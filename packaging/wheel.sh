@@ -10,11 +10,14 @@ bin=bin
 case $(uname -s) in
     MINGW* | MSYS* | CYGWIN*) bin=Scripts ;;
 esac
-trap 'rm -rf "$clean"' EXIT
+licenses=$PWD/crates/python/python/bracketry/THIRDPARTY.txt   # in the package, so that the wheel has it
+trap 'rm -rf "$clean" "$licenses"' EXIT
 test -d "$tools/$bin" || python3 -m venv "$tools"
 "$tools/$bin/python" -m pip install --quiet --disable-pip-version-check --requirement packaging/requirements.txt
 rm -f dist/*.whl dist/*.tar.gz
+packaging/licenses.py bracketry-python "$licenses"
 "$tools/$bin/maturin" build --release --locked --out dist
+rm "$licenses"
 "$tools/$bin/maturin" sdist --out dist
 "$tools/$bin/twine" check --strict dist/*.whl dist/*.tar.gz
 packaging/try_wheel.sh
