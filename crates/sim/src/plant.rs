@@ -44,8 +44,16 @@ impl ExactPlant {
     /// # Errors
     /// [`PlantError`] if the system cannot be compiled, or for a wrong state or settings.
     pub fn new(system: &System, x0: &[f64], settings: &SimulationSettings) -> Result<Self, PlantError> {
+        Self::starting_at(system, 0.0, x0, settings)
+    }
+
+    /// As [`ExactPlant::new`], at time `t`.
+    ///
+    /// # Errors
+    /// As [`ExactPlant::new`], and for a time that is not finite.
+    pub fn starting_at(system: &System, t: f64, x0: &[f64], settings: &SimulationSettings) -> Result<Self, PlantError> {
         let model = Model::new(system, &Inputs::new())?;
-        Ok(Self { stepper: Stepper::new(model, 0.0, x0, settings)? })
+        Ok(Self { stepper: Stepper::new(model, t, x0, settings)? })
     }
 
     /// Holds the inputs at `u` (one value per input, in order) for `dt` seconds.

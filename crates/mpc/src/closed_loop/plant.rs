@@ -49,6 +49,11 @@ impl RungeKuttaPlant {
         self.recording.take().map(|recording| recording.motion)
     }
 
+    /// One interval without a record.
+    pub(super) fn tries(&mut self, interval: Interval<'_>, x: &mut [f64]) {
+        self.shooter.advance(self.dynamics.as_mut(), interval, x);
+    }
+
     /// One interval, and its record.
     fn advance(&mut self, interval: Interval<'_>, x: &mut [f64]) {
         let Self { dynamics, shooter, recording, .. } = self;

@@ -2,6 +2,7 @@
 
 use super::cause::Cause;
 use super::notes::{FirstSample, Note};
+use crate::closed_loop::Refined;
 use crate::controller::FallbackReason;
 use crate::error::MpcError;
 use crate::qp::QpStatus;
@@ -35,6 +36,17 @@ impl fmt::Display for Note {
                  the model, or use a shorter dt or a longer horizon",
                 readable(*value),
                 readable(*size)
+            ),
+            Note::PlantRefined(Refined { sample, time, substeps, error }) => write!(
+                f,
+                "the plant is simulated with error control from sample {sample} (t = {} s) on: {} {}",
+                readable(*time),
+                counted(*substeps, "Runge–Kutta step", "Runge–Kutta steps"),
+                if error.is_finite() {
+                    format!("would be off by {} of the states' sizes", readable(*error))
+                } else {
+                    "would end in no number".to_owned()
+                }
             ),
             Note::Eliminated(what) => write!(f, "{what}"),
             Note::Delays { longest, samples, compensated } => write!(

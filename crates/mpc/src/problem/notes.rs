@@ -1,6 +1,7 @@
 //! What went wrong in a run, and what to do about it.
 
 use super::cause::Cause;
+use crate::closed_loop::Refined;
 use crate::controller::FallbackReason;
 use bracketry_system::Eliminated;
 use serde::{Serialize, Serializer};
@@ -35,6 +36,8 @@ pub enum Note {
         /// Whether it is the plan; else the run alone.
         in_plan: bool,
     },
+    /// The fixed steps of the plant were not accurate: it was simulated with error control.
+    PlantRefined(Refined),
     /// Something was eliminated from the controller's model when it was read.
     Eliminated(Eliminated),
     /// Inputs act later than they are commanded.
@@ -309,6 +312,7 @@ impl Note {
             | Self::TargetsLater { .. }
             | Self::SearchNotConverged { .. }
             | Self::BeyondRange { .. }
+            | Self::PlantRefined(_)
             | Self::RoundingCosts { .. }
             | Self::Unobservable { .. }
             | Self::Singular { .. }

@@ -1,12 +1,12 @@
 //! A control problem run on its plant: exact stick–slip friction where the plant has switching functions, a fixed
-//! Runge–Kutta method where it is smooth.
+//! Runge–Kutta method where it is smooth and that is accurate.
 
 use super::control_problem::ControlProblem;
+use super::notes::Note;
 use super::run::ControlRun;
-use crate::closed_loop::RungeKuttaPlant;
-use crate::dynamics::SymbolicDynamics;
+use crate::closed_loop::SmoothPlant;
 use crate::error::MpcError;
-use bracketry_sim::{DiscreteModel, ExactPlant, Outcome, Simulation, SimulationSettings, Statistics, Trajectory};
+use bracketry_sim::{DiscreteModel, ExactPlant, Outcome, Simulation, SimulationSettings, Trajectory};
 use bracketry_system::ZeroDenominator;
 
 /// A control problem that could not be run.
@@ -69,18 +69,15 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
 
 /// [`control_watched`] on a plant without switches.
 fn control_smooth(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
-    let dynamics = Box::new(SymbolicDynamics::new(&problem.plant)?);
-    let mut plant = RungeKuttaPlant::new(dynamics, problem.plant_substeps);
+    let sizes = &problem.ocp.state_scale[..problem.plant.states.len()];
+    let mut plant = SmoothPlant::new(&problem.plant, problem.plant_substeps, sizes, &problem.stop)?;
     let start = problem.ocp.time(0, 0);
     plant.start_recording(start, &problem.x0);
-    let run = problem.run_disturbed(&mut plant, |k, _| progress(k))?;
-    let steps = run.closed_loop.u.len() * problem.plant_substeps.max(1);
+    let mut run = problem.run_disturbed(&mut plant, |k, _| progress(k))?;
+    run.report.notes.extend(plant.refined().map(Note::PlantRefined));
+    let statistics = plant.statistics();
     let trajectory = plant.take_recording().unwrap_or_else(|| Trajectory::starting_at(start, &problem.x0));
-    let recording = Simulation {
-        trajectory,
-        outcome: Outcome::Finished,
-        statistics: Statistics { steps, ..Statistics::default() },
-    };
+    let recording = Simulation { trajectory, outcome: Outcome::Finished, statistics };
     Ok(Controlled { run, recording, switches: Vec::new() })
 }
 

@@ -1,6 +1,7 @@
 //! The run of a problem file: start, length, noise, delay, faults, and what is different in the plant.
 
 use super::free_keys::is_free;
+use super::horizon::MOST_PLANT_SUBSTEPS;
 use super::reader::{Located, Parsed, Reader};
 use crate::closed_loop::Fault;
 use crate::ocp::Ocp;
@@ -36,8 +37,10 @@ impl Reader<'_> {
         let samples = self.count(run, "steps", Some(steps))?;
         let x0 = self.by_state(run, "x0")?.unwrap_or_else(|| vec![0.0; self.system.states.len()]);
         let given = given.is_some();
-        let plant_substeps =
-            run.contains_key("plant_substeps").then(|| self.substeps(run, "plant_substeps")).transpose()?;
+        let plant_substeps = run
+            .contains_key("plant_substeps")
+            .then(|| self.substeps(run, "plant_substeps", MOST_PLANT_SUBSTEPS))
+            .transpose()?;
         Ok((run, Start { x0, samples, plant_substeps, given }))
     }
 

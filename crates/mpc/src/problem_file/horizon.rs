@@ -12,13 +12,15 @@ pub(super) const KEYS: [&str; 9] =
 pub(super) const MOST_INTERVALS: usize = 20_000;
 
 /// Most integration steps per interval.
-const MOST_SUBSTEPS: usize = 10_000;
+pub(super) const MOST_SUBSTEPS: usize = 10_000;
+/// The same of the plant, which is not differentiated.
+pub(super) const MOST_PLANT_SUBSTEPS: usize = 100_000;
 
 impl Reader<'_> {
     /// Integrator, substeps and move blocks.
     pub(super) fn discretization(&self, horizon: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
         if horizon.contains_key("substeps") {
-            ocp.substeps = Substeps::Fixed(self.substeps(horizon, "substeps")?);
+            ocp.substeps = Substeps::Fixed(self.substeps(horizon, "substeps", MOST_SUBSTEPS)?);
         }
         let stages = self.count(horizon, "stages", Some(2))?;
         if let Some(v) = horizon.get("stages").filter(|_| stages > 4) {
@@ -39,13 +41,13 @@ impl Reader<'_> {
     }
 
     /// A number of integration steps per interval.
-    pub(super) fn substeps(&self, table: &Table<'_>, key: &str) -> Parsed<usize> {
+    pub(super) fn substeps(&self, table: &Table<'_>, key: &str, most: usize) -> Parsed<usize> {
         let steps = self.count(table, key, None)?;
-        match table.get(key).filter(|_| steps > MOST_SUBSTEPS) {
+        match table.get(key).filter(|_| steps > most) {
             None => Ok(steps),
             Some(v) => {
                 let message = format!("{steps} integration steps per interval take too long");
-                let remedy = format!("use at most {MOST_SUBSTEPS}, an implicit integrator, or a shorter dt");
+                let remedy = format!("use at most {most}, an implicit integrator, or a shorter dt");
                 Err(self.doc.error(v.span(), message, remedy).into())
             }
         }

@@ -42,6 +42,7 @@ mod riccati;
 mod rounding;
 mod scenarios;
 mod starts;
+mod stiff_plants;
 mod stop_flag;
 mod tables;
 mod verdicts;

@@ -158,7 +158,9 @@ fn an_interval_beyond_every_motion_of_the_model_is_told() {
         control(&read(&text, &folder()).unwrap()).unwrap().run.report.notes
     };
     let told = |notes: &[Note]| notes.iter().any(|n| matches!(n, Note::LongInterval { dt: 50.0, .. }));
-    assert!(told(&notes(50.0)) && notes(0.05).is_empty() && notes(1.0).is_empty());
+    assert!(told(&notes(50.0)) && notes(0.05).is_empty());
+    // One Runge–Kutta step of 1 s is off by almost a hundredth, which is another matter.
+    assert!(matches!(&notes(1.0)[..], [Note::PlantRefined(refined)] if refined.substeps == 1 && refined.error < 0.01));
 }
 
 #[test]
