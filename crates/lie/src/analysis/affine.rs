@@ -32,6 +32,7 @@ use crate::modes::{ModeFields, mode_fields};
 use crate::observability::report::{read_functions, report};
 use crate::options::AnalysisOptions;
 use crate::reason::Reason;
+use crate::regular::regular_at;
 use crate::undecided::Undecided;
 
 /// Analyzes a system that is affine in its inputs (see `System::affinize`).
@@ -181,6 +182,9 @@ impl Generic<'_> {
         evidence: &mut Evidence,
     ) -> Result<Option<Answer<PointReport>>, Error> {
         let Some(point) = system.point.clone() else { return Ok(None) };
+        if let Err(why) = regular_at(system, &point) {
+            return Ok(Some(Answer::Unknown(why.into())));
+        }
         let names = system.input_names();
         Ok(Some(match (regime(system, &point, self.modes), smoothed) {
             (Ok(Regime::Mode(mode)), _) => {
