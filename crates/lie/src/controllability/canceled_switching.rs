@@ -33,7 +33,7 @@ pub(crate) struct Canceled {
     transfers: Transfers,
     /// Whether that holds in all modes, so that trajectories may go far.
     far: bool,
-    /// Whether the feedback vanishes at the point, so that small inputs suffice near it.
+    /// Whether the feedback vanishes at the point, so that small inputs suffice near it, or all inputs have finite ranges.
     small: bool,
     /// Whether the feedback is continuous and vanishes at the point.
     continuous: bool,
@@ -158,7 +158,7 @@ pub(crate) fn canceled(
             no: all_free || rests && two_sided && vanish,
         },
         far,
-        small: vanish,
+        small: vanish || ranges.bounded(),
         continuous: vanish && is_continuous(pool, adjacent),
         report,
     }))

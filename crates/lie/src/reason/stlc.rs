@@ -184,6 +184,15 @@ impl StlcReason {
             reason => reason,
         }
     }
+
+    /// Whether the verdict rests on inputs that may be far from those at the point.
+    pub(crate) fn holds_elsewhere(&self) -> bool {
+        match self {
+            StlcReason::InsideRanges(_) | StlcReason::Around { .. } | StlcReason::Jumps => true,
+            StlcReason::Canceled(reason) => reason.holds_elsewhere(),
+            _ => false,
+        }
+    }
 }
 
 /// How the inputs can not change a function.

@@ -313,9 +313,9 @@ fn small_inputs_do_not_overcome_a_jump() {
             at_point(&analyze_affine(&model("x v", "F", &["v", &equation]), &options).unwrap()).stlc.clone()
         };
         // The jump is canceled by inputs of its size, and the motion does not leave v = 0 with smaller ones.
-        for stlc in [judge(None), judge(Some(2.0 * mu as f64 / gain as f64))] {
-            assert_eq!((stlc.verdict, stlc.with_bounded_inputs()), (Verdict::Yes, Verdict::No), "{stlc:?}");
-        }
+        let free = judge(None);
+        assert_eq!((free.verdict, free.with_bounded_inputs()), (Verdict::Yes, Verdict::No), "{free:?}");
+        assert_eq!(judge(Some(2.0 * mu as f64 / gain as f64)).with_bounded_inputs(), Verdict::Yes);
         // Inputs that just hold the jump do not drive the motion away either, where no force depends on the state.
         if cubic == 0 {
             assert_eq!(judge(Some(mu as f64 / gain as f64)).verdict, Verdict::No);
