@@ -23,6 +23,7 @@ mod globalisation;
 mod grids;
 mod implicit;
 mod input_rates;
+mod kinks;
 mod known_problems;
 mod known_systems;
 mod linear;
