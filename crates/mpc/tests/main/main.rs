@@ -3,6 +3,7 @@
 
 mod advanced_step;
 mod affine_ranges;
+mod at_rest;
 mod breadth;
 mod cart_pole;
 mod chance;
