@@ -37,6 +37,10 @@ pub trait Dynamics: Send {
     fn is_smoothed(&self) -> bool {
         false
     }
+    /// Whether some of these functions jump, as friction does; else they have kinks alone, as limits written with `min` and `max`.
+    fn has_jumps(&self) -> bool {
+        self.is_smoothed()
+    }
     /// Sets the smoothing width; without effect on smooth dynamics.
     fn set_smoothing(&mut self, _width: f64) {}
     /// Time and cause of the last evaluation at which algebraic equations had no solution, since this was last asked; the values

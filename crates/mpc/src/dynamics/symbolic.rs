@@ -39,6 +39,7 @@ pub struct SymbolicDynamics {
     /// Compiled when it is first asked for.
     hessian: Option<WeightedHessian>,
     smoothed: bool,
+    jumps: bool,
     width: f64,
     arguments: Arguments,
     work: Workspace,
@@ -119,6 +120,7 @@ impl SymbolicDynamics {
             field_and_jacobian,
             pattern: jacobian.iter().map(|&(i, j, _)| (i, j)).collect(),
             smoothed: !form.switches.is_empty(),
+            jumps: !form.unit_vectors.is_empty() || form.signs().iter().any(|s| s.kind == SwitchKind::Jump),
             second: SecondDerivatives::new(pool, all.clone(), columns, f.len(), jacobian),
             hessian: None,
             width: 0.01,
@@ -192,6 +194,9 @@ impl Dynamics for SymbolicDynamics {
     }
     fn is_smoothed(&self) -> bool {
         self.smoothed
+    }
+    fn has_jumps(&self) -> bool {
+        self.jumps
     }
     fn set_smoothing(&mut self, width: f64) {
         self.width = width;

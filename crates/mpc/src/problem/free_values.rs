@@ -12,6 +12,9 @@ use std::time::Instant;
 /// Tolerance of the programs of the search. Where a cost has no curvature, as that of time alone, an end is found as well as the
 /// programs are solved: errors of 1e-8 keep the iteration from its end.
 const QP_TOLERANCE: f64 = 1e-10;
+/// How often targets that a plan misses get heavier, and by which factor.
+const FIRMER: usize = 3;
+const FIRMNESS: f64 = 100.0;
 /// First step of the line search for a single value, relative to its size, most steps until a minimum is bracketed, and the width at which it
 /// ends.
 const FIRST_STEP: f64 = 1e-4;
@@ -39,7 +42,19 @@ impl ControlProblem {
         extended.x0.clone_from(&self.x0);
         extended.stop = self.stop.clone();
         extended.qp.tolerance = extended.qp.tolerance.min(QP_TOLERANCE);
-        let solution = extended.plan()?;
+        let mut solution = extended.plan()?;
+        for _ in 0..FIRMER {
+            let missed = self.ocp.targets.iter().zip(&solution.miss).any(|(t, miss)| (miss * t.linear).abs() > 1.0);
+            if solution.status != SolveStatus::Converged || !missed {
+                break;
+            }
+            // The cost outweighs the targets: an end time that costs much would shrink to nothing.
+            for target in &mut extended.ocp.targets {
+                target.linear *= FIRMNESS;
+                target.quadratic *= FIRMNESS;
+            }
+            solution = extended.plan()?;
+        }
         let inputs = self.ocp.inputs();
         let values = &solution.trajectory.u(0)[inputs..];
         let found = FoundValues {

@@ -284,6 +284,7 @@ impl Note {
         match self {
             Self::MostlyInaccurate { .. }
             | Self::PlanNotConverged
+            | Self::SearchNotConverged { .. }
             | Self::ChosenWithoutPlan
             | Self::NotHeld { .. }
             | Self::Grows { .. }
@@ -310,7 +311,6 @@ impl Note {
             | Self::LongInterval { .. }
             | Self::StartsOutside { .. }
             | Self::TargetsLater { .. }
-            | Self::SearchNotConverged { .. }
             | Self::BeyondRange { .. }
             | Self::PlantRefined(_)
             | Self::RoundingCosts { .. }

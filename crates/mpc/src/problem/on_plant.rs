@@ -69,7 +69,7 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
 
 /// [`control_watched`] on a plant without switches.
 fn control_smooth(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
-    let sizes = &problem.ocp.state_scale[..problem.plant.states.len()];
+    let sizes = &problem.ocp.sizes()[..problem.plant.states.len()];
     let mut plant = SmoothPlant::new(&problem.plant, problem.plant_substeps, sizes, &problem.stop)?;
     let start = problem.ocp.time(0, 0);
     plant.start_recording(start, &problem.x0);

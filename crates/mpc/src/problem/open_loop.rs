@@ -106,7 +106,8 @@ impl Rehearsal {
             };
             for level in LEVELS {
                 let value = rest[j] + level.abs() * (end(level) - rest[j]);
-                let durations = if problem.ocp.move_blocks.is_empty() { &DURATIONS[..] } else { &DURATIONS[..1] };
+                let whole = !problem.ocp.move_blocks.is_empty() || problem.ocp.constant_inputs.contains(&j);
+                let durations = if whole { &DURATIONS[..1] } else { &DURATIONS[..] };
                 for duration in durations {
                     let intervals = ((duration * steps as f64).ceil() as usize).max(1);
                     let mut plan = PlannedTrajectory::constant(steps, &problem.initial_state(), &rest);

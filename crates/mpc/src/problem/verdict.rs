@@ -7,7 +7,7 @@ use super::method::{Feedback, Method, MethodReason};
 use super::notes::Note;
 use super::open_loop::{Held, OTHER_START, Rehearsal};
 use super::progress::{GROSS, Progress};
-use super::signs::jumps;
+use super::signs::{has_friction, jumps};
 use crate::closed_loop::ClosedLoop;
 use crate::error::MpcError;
 use crate::ocp::{HorizonCost, Ocp};
@@ -182,7 +182,7 @@ fn held(problem: &ControlProblem, run: &ClosedLoop) -> Result<Option<Note>, MpcE
         || problem.ocp.targets.iter().any(|t| (problem.x0[t.state] - t.value).abs() * t.linear > 1.0);
     // An input without bounds overcomes what it has to, if its cost allows.
     let bounded = problem.ocp.input_bounds.iter().all(|b| b.0.is_finite() && b.1.is_finite());
-    if problem.system.is_smooth() || !asked || !bounded || run.x.iter().any(|x| moves(x)) {
+    if !has_friction(&problem.system) || !asked || !bounded || run.x.iter().any(|x| moves(x)) {
         return Ok(None);
     }
     let mut rehearsal = Rehearsal::exact(problem)?;
@@ -434,7 +434,7 @@ fn cause(problem: &ControlProblem, run: &ClosedLoop, planned: bool) -> Cause {
         Cause::Plant
     } else if run.counts.inaccurate > run.counts.solved {
         Cause::Inaccurate
-    } else if !exact && !problem.system.is_smooth() {
+    } else if !exact && has_friction(&problem.system) {
         Cause::SmoothedFriction
     } else if one_program(problem) {
         Cause::OneProgram

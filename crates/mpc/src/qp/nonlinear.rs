@@ -6,7 +6,7 @@ use super::filling::LinearizationPoint;
 use super::program::{NOWHERE, StageProgram};
 use crate::ocp::{Ocp, Softness};
 use crate::trajectory::PlannedTrajectory;
-use crate::transcription::ShootingLinearization;
+use crate::transcription::{ShootingLinearization, carry_block};
 
 /// A constraint c(x_k, u_k) + s ≥ 0.
 pub(crate) struct NonlinearRow {
@@ -49,16 +49,21 @@ pub(crate) struct NonlinearProgram {
     sizes: Vec<f64>,
     /// Which of (x, u) are inputs that cannot move. They are no variables: their bounds have no interior.
     fixed: Vec<bool>,
+    /// Constant inputs and the states that take their place from the second interval on, as [`Ocp::carried`]: there these inputs are
+    /// no variables.
+    carried: Vec<(usize, usize)>,
 }
 
 impl NonlinearProgram {
     /// Lays the problem out; `None` where it has second-order cones (see [`Ocp::with_norm_rows`]), blocks of equal inputs, branches, or
-    /// inputs that are constant.
+    /// constant inputs that no state carries on.
     pub(crate) fn new(ocp: &Ocp, closure: &[bool], hard: f64) -> Option<Self> {
-        let m = ocp.inputs();
-        let blocked = ocp.block_starts(ocp.steps).iter().enumerate().any(|(i, start)| *start != i / m);
+        let (m, carried) = (ocp.inputs(), ocp.carried());
+        let constant = |j: usize| carried.iter().any(|c| c.0 == j);
+        let starts = ocp.block_starts(ocp.steps);
+        let blocked = starts.iter().enumerate().any(|(i, start)| *start != i / m && !constant(i % m));
         let blocked = blocked || ocp.branching.is_some();
-        if blocked || !ocp.carried().is_empty() || !ocp.norm_constraints.is_empty() || ocp.terminal_set.is_some() {
+        if blocked || !ocp.norm_constraints.is_empty() || ocp.terminal_set.is_some() {
             return None;
         }
         let assembly = Assembly::new(ocp, ocp.steps, closure, true);
@@ -97,6 +102,10 @@ impl NonlinearProgram {
                 // Nothing can change it.
                 continue;
             }
+            if k > 0 && carried.iter().any(|c| matches!(entries.as_slice(), [(place, _)] if *place == p.states + c.0)) {
+                // A constant is bounded where it is a variable.
+                continue;
+            }
             if let Some(s) = slack {
                 slacks[s].k = k;
                 if entries.is_empty() { slacks[s].bound = Some(rows.len()) } else { slacks[s].softens.push(rows.len()) }
@@ -108,6 +117,9 @@ impl NonlinearProgram {
                 _ => p.row_scale[number],
             };
             entries.retain(|&(place, _)| !fixed[place]);
+            for (place, _) in entries.iter_mut().filter(|_| k > 0) {
+                *place = carried.iter().find(|c| p.states + c.0 == *place).map_or(*place, |c| c.1);
+            }
             rows.push(NonlinearRow { k, number, entries, slack, scale });
         }
         for s in &mut slacks {
@@ -125,7 +137,7 @@ impl NonlinearProgram {
             absolute.extend(row.and_then(|row| Some((row, slacks[rows[row].slack?].linear))));
         }
         let terminal = vec![0.0; p.states * p.states];
-        Some(Self { assembly, rows, slacks, absolute, terminal, sizes: ocp.sizes().to_vec(), fixed })
+        Some(Self { assembly, rows, slacks, absolute, terminal, sizes: ocp.sizes().to_vec(), fixed, carried })
     }
 
     fn program(&self) -> &StageProgram {
@@ -138,9 +150,15 @@ impl NonlinearProgram {
         if v < p.states { self.sizes[v] } else { p.scale[p.input(0, v - p.states)] }
     }
 
-    /// Whether variable v of the list (x, u) is an input that cannot move.
-    pub(crate) fn is_fixed(&self, v: usize) -> bool {
-        self.fixed[v]
+    /// Whether variable v of the list (x, u) at grid point k is an input that cannot move, or a constant that a state stands for.
+    pub(crate) fn is_fixed(&self, k: usize, v: usize) -> bool {
+        let states = self.program().states;
+        self.fixed[v] || k > 0 && self.carried.iter().any(|c| states + c.0 == v)
+    }
+
+    /// Constant inputs and the states that take their place from the second interval on.
+    pub(crate) fn carried(&self) -> &[(usize, usize)] {
+        &self.carried
     }
 
     /// Number of rows of the stage program.
@@ -213,13 +231,13 @@ impl NonlinearProgram {
     /// Gradient of the cost with respect to (x_k, u_k); n entries at the end.
     pub(crate) fn add_gradient(&self, k: usize, factor: f64, to: &mut [f64]) {
         let p = self.program();
-        for (v, g) in to.iter_mut().enumerate().filter(|(v, _)| !self.fixed[*v]) {
+        for (v, g) in to.iter_mut().enumerate().filter(|(v, _)| !self.is_fixed(k, *v)) {
             *g += p.variable(k, v).map_or(0.0, |variable| factor * p.gradient[variable]);
         }
     }
 
     /// Adds `factor` times the exact block of grid point k: n + m rows of n + m, or n rows of n at the end. The curvature of an input that
-    /// cannot move is 1.
+    /// is no variable is 1.
     pub(crate) fn add_block(&self, k: usize, factor: f64, to: &mut [f64]) {
         let p = self.program();
         if k == p.steps {
@@ -235,7 +253,10 @@ impl NonlinearProgram {
                 to[j * w + i] += h;
             }
         }
-        for v in (0..w).filter(|v| self.fixed[*v]) {
+        if k > 0 {
+            carry_block(&self.carried, p.states, w, to);
+        }
+        for v in (0..w).filter(|v| self.is_fixed(k, *v)) {
             to[v * w..(v + 1) * w].fill(0.0);
             to.iter_mut().skip(v).step_by(w).for_each(|h| *h = 0.0);
             to[v * w + v] = 1.0;

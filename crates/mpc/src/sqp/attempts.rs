@@ -177,7 +177,7 @@ impl Sqp {
     pub(crate) fn prepare_interior_point(&mut self) -> bool {
         let asked = self.settings.interior_point && self.settings.hessian != Hessian::GaussNewton;
         // Smoothed friction is curved most where it is least true.
-        if !asked || self.problem.dynamics.is_smoothed() {
+        if !asked || self.problem.dynamics.has_jumps() {
             return false;
         }
         let (problem, hard) = (&mut self.problem, self.settings.qp.hard_weight);

@@ -48,6 +48,8 @@ const FLAT: f64 = 1e-2;
 const CORRECTABLE: f64 = 1e-2;
 /// Ratio of what two whole steps in a row cost by curvature below which the iteration counts as contracting.
 const CONTRACTING: f64 = 0.1;
+/// Largest step of states and inputs that counts as none, in units of their sizes.
+const STILL: f64 = 1e-7;
 /// Programs in a row without an acceptable step.
 const MAX_FAILURES: usize = 12;
 
@@ -179,7 +181,9 @@ impl Sqp {
             self.spare.give(whole.0);
             return Ok(Next::Program);
         }
-        if self.is_within_tolerance(promised.abs(), &run.now) {
+        // A proximal term makes any step small.
+        let near = proximal == 0.0 && run.now.worst_defect <= self.settings.defect_tolerance;
+        if near && self.is_still() || self.is_within_tolerance(promised.abs(), &run.now) {
             line.predicted = promised;
             log.push(line);
             // The last step is still worth taking unless it leaves the tolerance.
@@ -335,6 +339,16 @@ impl Sqp {
     fn is_within_tolerance(&self, change: f64, now: &Merit) -> bool {
         change <= self.settings.tolerance * now.objective.abs().max(1e-12)
             && now.worst_defect <= self.settings.defect_tolerance
+    }
+
+    /// Whether the program's step is negligible in units of the sizes: at rest, where the cost vanishes, no change is small beside it.
+    fn is_still(&self) -> bool {
+        let (ocp, step) = (&self.problem.ocp, &self.qp.solution);
+        let small = |step: &[f64], sizes: &[f64]| {
+            let mut all = step.iter().zip(sizes.iter().cycle());
+            all.all(|(d, size)| d.abs() <= STILL * if size.is_finite() { *size } else { 1.0 })
+        };
+        small(&step.dx, ocp.sizes()) && small(&step.du, &ocp.input_trust)
     }
 
     /// Whether the defects, or the violations of curved constraints, may be why a step is not acceptable, and are small enough

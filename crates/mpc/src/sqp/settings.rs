@@ -43,7 +43,7 @@ pub struct SqpSettings {
     /// side, where a whole step close to feasible points is not acceptable because of it (Maratos effect).
     pub second_order_correction: bool,
     /// Whether solutions for smooth dynamics start with the interior-point method, which needs second derivatives; `Hessian::GaussNewton` leaves it
-    /// out, and so do second-order cones and blocks of equal inputs.
+    /// out, and so do second-order cones and move blocks.
     pub interior_point: bool,
     /// Proximal weight λ of the first program.
     pub proximal: f64,

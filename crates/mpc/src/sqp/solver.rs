@@ -17,6 +17,9 @@ use std::time::Instant;
 const ROUNDINGS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 const SHARPENING: usize = 30;
 
+/// Widths of kinks before the last one, in units of it, where the settings give no others.
+const WIDER: [f64; 2] = [100.0, 10.0];
+
 /// The solver: problem, dynamics and memory.
 pub struct Sqp {
     pub(crate) problem: Transcription,
@@ -71,7 +74,7 @@ impl Sqp {
     /// dynamics that do not have it.
     pub fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp, settings: SqpSettings) -> Result<Self, MpcError> {
         // Where the interior-point method leads, cones are rows with exact curvature; the other programs keep them.
-        let smooth = settings.interior_point && settings.hessian != Hessian::GaussNewton && !dynamics.is_smoothed();
+        let smooth = settings.interior_point && settings.hessian != Hessian::GaussNewton && !dynamics.has_jumps();
         let ocp = if smooth { ocp.with_norm_rows() } else { ocp };
         let mut problem = Transcription::new(dynamics, ocp)?;
         for &w in &settings.smoothing {
@@ -81,7 +84,7 @@ impl Sqp {
             Hessian::Automatic | Hessian::GaussNewton => None,
             Hessian::Exact => Some(problem.dynamics.second_derivatives()?),
         };
-        let automatic = settings.hessian == Hessian::Automatic && !problem.dynamics.is_smoothed();
+        let automatic = settings.hessian == Hessian::Automatic && !problem.dynamics.has_jumps();
         let other = if automatic { Other::Possible } else { Other::Impossible };
         let (steps, closure) = (problem.ocp.steps, problem.shooter.closure());
         let qp = Qp::with_hessian(&problem.ocp, steps, closure, field.is_some(), settings.qp);
@@ -213,7 +216,17 @@ impl Sqp {
         z.x_mut(0).copy_from_slice(x0);
         z.clamp_inputs(&self.problem.ocp.input_bounds);
         let mut log = self.spare.log();
-        let widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
+        let mut widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
+        let mut wide_steps = 0;
+        if !self.problem.dynamics.has_jumps() && self.settings.filter_iterations > 0 {
+            // Kinks are smooth functions that get sharper.
+            let last = widths.pop();
+            if let Some(last) = last.filter(|_| z.is_finite()) {
+                wide_steps = if warm { 0 } else { self.sharpen_kinks(&mut z, &widths, last, &mut log)? };
+                self.problem.dynamics.set_smoothing(last);
+            }
+            widths.clear();
+        }
         let mut lambda = self.settings.proximal;
         let mut status = SolveStatus::NotANumber;
         if z.is_finite() && widths.is_empty() && self.settings.filter_iterations > 0 {
@@ -221,6 +234,7 @@ impl Sqp {
                 self.sharpen_norms(&mut z, &mut log)?;
             }
             status = self.solve_smooth(&mut z, warm, &mut log)?;
+            self.interior_point_steps += wide_steps;
         } else if z.is_finite() {
             self.qp.forget_multipliers();
             let last = widths.len().saturating_sub(1);
@@ -285,6 +299,32 @@ impl Sqp {
         }
         self.problem.ocp.round_norms(FINEST_ROUNDING);
         Ok(())
+    }
+
+    /// Goes from the guess to a solution by kinks that get sharper: at the widths given, or without any at [`WIDER`] ones than the `last`. The
+    /// steps of the interior-point method.
+    fn sharpen_kinks(
+        &mut self,
+        z: &mut PlannedTrajectory,
+        widths: &[f64],
+        last: f64,
+        log: &mut Vec<Iteration>,
+    ) -> Result<usize, MpcError> {
+        let wider = WIDER.map(|factor| factor * last);
+        let mut steps = 0;
+        for &width in if widths.is_empty() { &wider[..] } else { widths } {
+            let mut trial = self.spare.copy(z);
+            self.problem.dynamics.set_smoothing(width);
+            let status = self.solve_smooth(&mut trial, false, log)?;
+            steps += self.interior_point_steps;
+            if status == SolveStatus::Converged && trial.is_finite() {
+                self.spare.replace(z, trial);
+            } else {
+                self.spare.give(trial);
+            }
+            self.start_afresh()?;
+        }
+        Ok(steps)
     }
 
     /// Forgets multipliers, and the Hessian where the choice is automatic.

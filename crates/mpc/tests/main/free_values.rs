@@ -54,6 +54,31 @@ fn a_mass_moves_from_rest_to_rest_in_minimum_time() {
     }
 }
 
+/// The end time is a variable of the interior-point method: neither a far guess nor the unit of the cost decides whether it is found.
+#[test]
+fn minimum_times_are_found_from_far_guesses_and_in_any_unit_of_the_cost() {
+    for guess in [0.5, 2.0, 10.0] {
+        for price in ["1e-4", "1", "1e4"] {
+            let (found, run) = run(
+                MASS,
+                &format!(
+                    r#"
+                    horizon = {{ steps = 30, end_time = {{ free = true, guess = {guess} }} }}
+                    cost = {{ stage = "{price}" }}
+                    constraints = {{ u = {{ min = -1, max = 1 }} }}
+                    target = {{ x = 1, v = 0 }}
+                    run = {{}}
+                    "#
+                ),
+            );
+            close(found.end_time.unwrap(), 2.0, 1e-4);
+            assert!((1..=60).contains(&found.interior_point_steps), "{guess} {price}: {found:?}");
+            assert_eq!(found.status, "converged", "{guess} {price}");
+            assert!(run.report.succeeded, "{guess} {price}: {:?}", run.report.notes);
+        }
+    }
+}
+
 #[test]
 fn the_brachistochrone_is_a_cycloid() {
     let bead = r#"

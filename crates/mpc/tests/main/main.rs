@@ -3,6 +3,7 @@
 
 mod advanced_step;
 mod affine_ranges;
+mod at_rest;
 mod breadth;
 mod cart_pole;
 mod chance;
@@ -23,6 +24,7 @@ mod globalisation;
 mod grids;
 mod implicit;
 mod input_rates;
+mod kinks;
 mod known_problems;
 mod known_systems;
 mod linear;

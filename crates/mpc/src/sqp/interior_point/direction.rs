@@ -81,12 +81,12 @@ impl System {
         self.slack_slope =
             slacks.clone().zip(&point.s).map(|(p, s)| factor * (p.linear + 2.0 * p.quadratic * s)).collect();
         let (n, w) = (of.states(), of.width());
-        for (flow, jacobian) in self.flow.iter_mut().zip(of.lin.jacobian.chunks_exact(n * w)) {
+        for (k, (flow, jacobian)) in self.flow.iter_mut().zip(of.lin.jacobian.chunks_exact(n * w)).enumerate() {
             let stride = flow.len() / n;
             for (to, from) in flow.chunks_exact_mut(stride).zip(jacobian.chunks_exact(w)) {
                 to[..w - n].copy_from_slice(&from[n..]);
                 to[w - n..stride - 1].copy_from_slice(&from[..stride - 1 - (w - n)]);
-                (n..w).filter(|v| of.program.is_fixed(*v)).for_each(|v| to[v - n] = 0.0);
+                (n..w).filter(|v| of.program.is_fixed(k, *v)).for_each(|v| to[v - n] = 0.0);
             }
         }
         let mut shift = least;
@@ -211,6 +211,10 @@ impl System {
             if k > 0 {
                 self.recursion.multipliers(k, stage, &mut d.y[(k - 1) * n..k * n]);
             }
+        }
+        // A constant moves alike over the whole horizon.
+        for &(j, _) in of.program.carried() {
+            (1..steps).for_each(|k| d.du[k * m + j] = d.du[j]);
         }
         for (i, row) in rows.iter().enumerate() {
             let step = |place: usize| if place < n { d.dx[row.k * n + place] } else { d.du[row.k * m + place - n] };

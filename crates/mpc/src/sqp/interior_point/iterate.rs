@@ -169,7 +169,7 @@ impl<'a> Evaluator<'a> {
         }
         let sizes: Vec<f64> = (0..w).map(|v| self.program.size(v)).collect();
         // The first state is fixed.
-        let slopes = q.iter().enumerate().skip(n).filter(|(i, _)| !self.program.is_fixed(i % w));
+        let slopes = q.iter().enumerate().skip(n).filter(|(i, _)| !self.program.is_fixed(i / w, i % w));
         let slopes = slopes.map(|(i, q)| (q * sizes[i % w]).abs());
         let of_slacks = self.program.slacks.iter().zip(&point.s).map(|(p, s)| {
             let held: f64 = p.softens.iter().chain(&p.bound).map(|&row| point.v[row]).sum();

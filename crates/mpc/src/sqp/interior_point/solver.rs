@@ -169,6 +169,13 @@ impl<'a> InteriorPoint<'a> {
             let push = PUSH * of.program.size(n + j).min(high - low);
             (0..steps).for_each(|k| z.u_mut(k)[j] = z.u(k)[j].clamp(low + push, high - push));
         }
+        for &(j, state) in of.program.carried() {
+            let value = z.u(0)[j];
+            for k in 0..steps {
+                z.u_mut(k)[j] = value;
+                z.x_mut(k + 1)[state] = value;
+            }
+        }
         let s: Vec<f64> = of.program.slacks.iter().map(|p| PUSH * p.scale).collect();
         let v = of.program.rows.iter().map(|row| 1.0 / row.scale).collect();
         let at = Iterate { z, s, t: Vec::new(), y: vec![0.0; n * steps], v };
