@@ -65,9 +65,6 @@ pub fn from_rest_map_json(map: &FromRestMap) -> Value {
     })
 }
 
-/// Cells by the coordinates that change.
-///
-/// # Errors
 /// `der(X,2)` as X''.
 fn with_primes(name: &str) -> String {
     let parts = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')?.rsplit_once(','));
@@ -77,6 +74,9 @@ fn with_primes(name: &str) -> String {
     }
 }
 
+/// Cells by the coordinates that change.
+///
+/// # Errors
 /// As [`RegimeMap::draw`].
 pub fn from_rest_map_figure(map: &FromRestMap) -> Result<Drawing, PlotError> {
     let mut names: Vec<String> = Vec::new();
