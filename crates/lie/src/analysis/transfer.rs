@@ -181,7 +181,7 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
         return;
     }
     let resting = match &point.stabilizable_reason {
-        Some(StabilizableReason::Stable) => true,
+        Some(StabilizableReason::Stable | StabilizableReason::StableByItself) => true,
         // Values inside of the ranges, from which feedback moves the inputs to both sides.
         Some(StabilizableReason::OtherInputs { .. }) => affinization.method == Method::None,
         _ => false,

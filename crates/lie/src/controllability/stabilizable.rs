@@ -11,7 +11,7 @@ use crate::controllability::critical_mode::{by_critical_modes, in_the_plane};
 use crate::controllability::growing_form::growing_form;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
-use crate::controllability::linearization::{is_hurwitz, is_linear};
+use crate::controllability::linearization::{is_hurwitz, is_linear, rational_matrices};
 use crate::controllability::local_accessibility::{Frame, LocalAccessibility};
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
@@ -19,10 +19,16 @@ use crate::controllability::other_inputs::with_other_inputs;
 use crate::controllability::region::{Extent, Region};
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::evidence::Evidence;
+use crate::feedback::critical::Critical;
+use crate::feedback::zero_dynamics::Set;
+use crate::linear::spectrum::Spectrum;
 use crate::linear::taylor::is_analytic;
 use crate::reason::{Reason, StabilizableReason, StlcReason};
 use crate::residues::Fp;
 use crate::undecided::Undecided;
+
+/// Most states of which a Lyapunov function or center manifold is sought.
+const MAX_STATES: usize = 8;
 
 /// What is known of an equilibrium.
 pub(crate) struct AtEquilibrium<'a> {
@@ -75,6 +81,9 @@ pub(crate) fn stabilizable(
         Ok(None) => {}
         Err(why) => return (Answer::Unknown(why.clone().into()), StabilizableReason::Open(why.into())),
     }
+    if at.decays != Answer::Known(true) && stable_by_itself(pool, at.frame, evidence) {
+        return known(true, StabilizableReason::StableByItself);
+    }
     if let Some(why) = with_other_inputs(pool, at, evidence) {
         return known(true, why);
     }
@@ -111,6 +120,30 @@ pub(crate) fn stabilizable(
         Answer::Known(_) => Reason::UnstableMode,
     };
     (Answer::Unknown(why.clone()), StabilizableReason::Open(why))
+}
+
+/// Whether the equilibrium is asymptotically stable with the inputs of the point, by terms of higher order than the linearization.
+fn stable_by_itself(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> bool {
+    let fields = &frame.fields;
+    if fields.states.len() > MAX_STATES {
+        return false;
+    }
+    let Some((a, _)) = rational_matrices(pool, frame) else { return false };
+    let spectrum = Spectrum::of(&a);
+    if spectrum.right > 0 || spectrum.on_axis == 0 {
+        return false;
+    }
+    let set = Set {
+        fields,
+        point: fields.states.iter().copied().zip(frame.point().iter().copied()).collect(),
+        free: fields.states.clone(),
+        solved: Vec::new(),
+        nonzero: Vec::new(),
+        pivots: Vec::new(),
+    };
+    let (states, equations) = (&fields.states[..], &fields.drift[..]);
+    let critical = Critical { set: &set, states, equations, on_axis: spectrum.on_axis };
+    matches!(critical.decide(pool, evidence), Some((true, _)))
 }
 
 /// What keeps states near the point from it, whatever the inputs.

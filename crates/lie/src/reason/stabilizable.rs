@@ -36,6 +36,9 @@ pub enum StabilizableReason {
     /// A is Hurwitz.
     #[error("the linearization is asymptotically stable with the inputs of the point")]
     Stable,
+    /// Terms of higher order decide.
+    #[error("the equilibrium is asymptotically stable with the inputs of the point")]
+    StableByItself,
     /// Linear feedback around other values of inputs that together do not move the state at the point.
     #[error("with {} at the point, the uncontrollable modes of the linearization decay", equations(.inputs))]
     OtherInputs {

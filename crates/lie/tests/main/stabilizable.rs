@@ -207,6 +207,19 @@ proptest! {
         prop_assert_eq!(answer, Some(false), "{:?}", why);
     }
 
+    /// The drift alone is asymptotically stable by terms of degree 3, at an end of the ranges and between.
+    #[test]
+    fn what_rests_by_itself_needs_no_feedback(a in 1_i64..4, b in 1_i64..4, c in -2_i64..3, inside in any::<bool>()) {
+        let lower = if inside { -1.0 } else { 0.0 };
+        let ranges = vec![("u".to_owned(), InputValues::Between(lower, 1.0))];
+        let options = AnalysisOptions { ranges, ..AnalysisOptions::default() };
+        for sign in [1, -1] {
+            let r = report("x y", "u", &["y", &format!("-{a}*x - {}*y^3 + {c}*x*y^2*u", sign * b)], &[], &options);
+            let expected = (sign == 1).then_some(true);
+            prop_assert_eq!(r.stabilizable.unwrap().known().copied().filter(|s| *s), expected, "{:?}", r.stabilizable_reason);
+        }
+    }
+
     /// Two states that decay each with an input of its own.
     #[test]
     fn several_inputs_that_do_not_move_the_state(a in 1_i64..4, b in 1_i64..4, c in -2_i64..3) {

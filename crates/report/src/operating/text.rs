@@ -137,13 +137,19 @@ fn rank(name: &str, r: Rank) -> String {
 /// A minimizer is known to about the root of the rounding of the minimum; a smaller imaginary part is not shown.
 const MINIMIZER: f64 = 1e-7;
 
+/// The nearest mode, real where its imaginary part is within the accuracy of the search.
+fn nearest(d: &Distance) -> (f64, f64) {
+    if d.at.1.abs() < MINIMIZER * d.at.0.abs() { (d.at.0, 0.0) } else { d.at }
+}
+
 fn margin(name: &str, d: Option<&Distance>) -> String {
     match d {
+        Some(d) if d.upper == 0.0 => format!("  {name}: 0; the mode is {}", complex(nearest(d))),
         Some(d) => format!(
             "  {name}: between {} and {} in the spectral norm; the nearest mode is {}",
             readable(d.lower),
             readable(d.upper),
-            complex(if d.at.1.abs() < MINIMIZER * d.at.0.abs() { (d.at.0, 0.0) } else { d.at })
+            complex(nearest(d))
         ),
         None => format!("  {name}: not found, a singular value decomposition did not converge"),
     }
