@@ -51,6 +51,11 @@ pub(crate) struct Step {
     missed: usize,
     /// Estimated states.
     estimate: Option<Py<PyArray1<f64>>>,
+    /// The states less what the plan before predicted.
+    innovation: Option<Py<PyArray1<f64>>>,
+    /// Programs that were solved, and iterations of interior-point methods.
+    programs: usize,
+    iterations: usize,
     /// Time from the measurement to the input, s.
     feedback_seconds: f64,
     /// Time of the preparation, s.
@@ -97,6 +102,7 @@ impl LiveController {
             Ok((c.live.last().clone(), c.live.estimate().map(|e| e.x.clone())))
         })?;
         let (step, sample, missed) = (answer.step, answer.sample, answer.missed);
+        let innovation = (!answer.innovation.is_empty()).then_some(answer.innovation);
         Ok(Step {
             status: step.status.name(),
             reason: step.status.fallback_reason().map(FallbackReason::name),
@@ -105,6 +111,9 @@ impl LiveController {
             missed,
             feedback_seconds: step.timings.feedback(),
             prepare_seconds: step.timings.linearize,
+            innovation: innovation.map(|x| x.into_pyarray(py).unbind()),
+            programs: step.effort.programs,
+            iterations: step.effort.interior_point_steps,
             u: step.u.into_pyarray(py).unbind(),
             estimate: estimate.map(|x| x.into_pyarray(py).unbind()),
         })
@@ -207,6 +216,12 @@ impl LiveController {
         dict.set_item("states", matrix(py, &x, plan.states())?)?;
         dict.set_item("inputs", matrix(py, &u, plan.inputs())?)?;
         Ok(dict)
+    }
+
+    /// Cost of the last plan over the horizon.
+    #[getter]
+    fn predicted_cost(&self, py: Python<'_>) -> Result<f64, Failure> {
+        self.free(py, |c| Ok(c.live.predicted_cost()))
     }
 
     /// The kept samples: names of columns and a row per sample.

@@ -74,3 +74,16 @@ def test_what_is_no_problem_is_refused(problem, message) -> None:
 def test_an_error_names_place_and_remedy(cart) -> None:
     with pytest.raises(BracketryError, match=r"problem:\d+:\d+: .*(?s:.*)\^"):
         control({**PROBLEM, "model": cart, "cost": {"stage": "x^2 + q^2"}})
+
+
+def test_a_plant_that_ends_early_warns() -> None:
+    problem = {
+        "model": System(states=["x"], inputs=["u"], dynamics={"x": "x^3 + u"}),
+        "horizon": {"steps": 5, "dt": 0.1},
+        "cost": {"stage": "x^2 + u^2"},
+        "constraints": {"u": {"min": -1, "max": 1}},
+        "run": {"x0": {"x": 3}, "steps": 5},
+    }
+    with pytest.warns(RuntimeWarning, match=r"ended early, at t = 0\.1 s"):
+        loop = control(problem)
+    assert not loop.succeeded and any("not finite" in note for note in loop.notes)

@@ -1,5 +1,6 @@
 """Controllers that are stepped on a plant of one's own."""
 
+import pickle
 import threading
 
 import numpy as np
@@ -201,3 +202,49 @@ def test_controllers_in_threads_do_not_know_of_each_other(cart) -> None:
     for thread in threads:
         thread.join(60)
     assert not wrong and sum(shared.status[s] for s in ("solved", "inaccurate")) == 80
+
+
+def test_measurements_and_states_go_by_name(cart) -> None:
+    def fresh() -> Controller:
+        return Controller({"model": cart, **PROBLEM})
+
+    expected = fresh().step([0.5, 0.25]).u
+    controller = fresh()
+    assert np.array_equal(controller.step({"v": 0.25, "x": 0.5}).u, expected)
+    assert np.array_equal(fresh().feedback({"v": 0.25, "x": 0.5}).u, expected)
+    assert fresh().step({"x": 0.5, "v": None}).reason == "measurement"
+    controller.reset({"v": 0.25})
+    assert controller.predict().states[0, 0] == 0.0
+    for wrong, told in (({"x": 0.5}, "`v` is missing"), ({"x": 0.5, "w": 1.0}, "no `w`"), ({"x": "a", "v": 0.0}, "`x` is not a number")):
+        with pytest.raises(BracketryError, match=told):
+            controller.step(wrong)
+    with pytest.raises(BracketryError, match="no `w`"):
+        controller.reset({"w": 1.0})
+    assert repr(controller) == "Controller(measured=['x', 'v'], inputs=['u'], period=0.1)"
+
+
+def test_the_innovation_shows_a_plant_that_differs(cart) -> None:
+    def largest(mass: float) -> float:
+        controller = Controller({"model": cart, **PROBLEM})
+        x, v = 1.0, 0.0
+        found = []
+        for k in range(30):
+            step = controller.step([x, v])
+            a = step.u[0] / mass
+            x, v = x + 0.1 * v + 0.005 * a, v + 0.1 * a
+            assert (step.innovation is None) == (k == 0) and step.programs >= 1 and step.iterations >= 1
+            found.append(0.0 if step.innovation is None else abs(step.innovation[1]))
+        assert controller.predicted_cost >= 0.0
+        return max(found)
+
+    assert largest(1.0) < 1e-6
+    assert largest(1.5) == pytest.approx(0.1 * (1 - 1 / 1.5), rel=0.01)
+
+
+def test_a_copy_of_a_controller_starts_anew(cart) -> None:
+    controller = Controller({"model": cart, **PROBLEM})
+    first = controller.step([0.5, 0.25]).u
+    controller.step([0.4, 0.1])
+    copy = pickle.loads(pickle.dumps(controller))
+    step = copy.step([0.5, 0.25])
+    assert step.sample == 0 and np.array_equal(step.u, first)

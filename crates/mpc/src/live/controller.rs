@@ -19,6 +19,9 @@ pub struct LiveStep {
     pub missed: usize,
     /// Input, status, source, and times.
     pub step: Step,
+    /// The measured or estimated states less what the plan of the sample before predicted: what model and plant differ by. Empty for the
+    /// first sample, after missed ones, and where a delay is compensated.
+    pub innovation: Vec<f64>,
 }
 
 /// The controller of a problem, stepped by its user: the same object that
@@ -108,7 +111,7 @@ impl LiveController {
             prediction: started.controller.plan().clone(),
             controller: started.controller,
             delay: started.delay,
-            answer: LiveStep { sample: 0, missed: 0, step: Step::undecided(inputs) },
+            answer: LiveStep { sample: 0, missed: 0, step: Step::undecided(inputs), innovation: Vec::new() },
             sample: 0,
             answered: false,
             origin: None,
@@ -227,12 +230,25 @@ impl LiveController {
             self.start_from(y)?;
         }
         self.answer.step.copy_from(self.controller.feedback(y)?);
+        self.note_innovation(y);
         self.answer.sample = self.sample;
         self.answered = true;
         if let Some(log) = &mut self.log {
             log.add(self.sample, y, &self.answer.step);
         }
         Ok(&self.answer)
+    }
+
+    /// Compares the states of an answered sample with the plan before.
+    fn note_innovation(&mut self, y: &[f64]) {
+        let LiveStep { innovation, missed, .. } = &mut self.answer;
+        innovation.clear();
+        if self.sample == 0 || *missed > 0 || self.delay > 0 || self.prediction.steps() == 0 {
+            return;
+        }
+        let x = self.controller.estimate().map_or(y, |e| &e.x);
+        let states = self.problem.ocp.model_states();
+        innovation.extend(x.iter().zip(self.prediction.x(1)).take(states).map(|(x, predicted)| x - predicted));
     }
 
     /// A sample without a measurement and without an answer, over which the last input was held.
@@ -336,6 +352,13 @@ impl LiveController {
     /// measurement, or where the controller compensates a delay, when the input begins to act.
     pub fn prediction(&self) -> &PlannedTrajectory {
         if self.answered { self.controller.plan() } else { &self.prediction }
+    }
+
+    /// Cost of [`LiveController::prediction`] over the horizon, without penalties.
+    pub fn predicted_cost(&self) -> f64 {
+        let mut ocp = self.controller.ocp().clone();
+        ocp.round_norms(0.0);
+        ocp.cost(self.answer.sample + self.delay, self.prediction())
     }
 
     /// Times of the states of [`LiveController::prediction`] since sample 0, s.

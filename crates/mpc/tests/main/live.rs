@@ -419,3 +419,29 @@ fn the_derivative_of_a_changed_reference_is_that_of_its_new_values() {
         assert!((a - b).abs() < 1e-9, "sample {k}: {a} {b}");
     }
 }
+
+/// The innovation is what the plant differs by from the model over a sample; there is none to begin with, and after missed samples.
+#[test]
+fn the_innovation_tells_what_plant_and_model_differ_by() {
+    let model = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u' }";
+    let problem = "model = 'm'\nhorizon = { steps = 20, dt = 0.1 }\ncost = { stage = 'x^2 + 0.1*v^2 + 0.01*u^2' }\n\
+                   constraints = { u = { min = -1, max = 1 } }\nrun = { x0 = { x = 1 } }";
+    for mass in [1.0, 1.5] {
+        let read = |name: &str| System::parse(name, model).map_err(Box::new);
+        let mut controller = ControlProblem::parse("p", problem, read).unwrap().controller().unwrap();
+        let (mut x, mut v, mut before) = (1.0, 0.0, 0.0);
+        for k in 0..20 {
+            let live = controller.step_at(&[x, v], 0.1 * f64::from(if k < 10 { k } else { k + 2 })).unwrap().clone();
+            if k == 0 || k == 10 {
+                assert!(live.innovation.is_empty());
+            } else {
+                // The last input acted on another mass.
+                assert!((live.innovation[1] - before * (1.0 / mass - 1.0) * 0.1).abs() < 1e-6, "{mass} {k}: {live:?}");
+            }
+            let u = live.step.u[0];
+            before = u;
+            (x, v) = (x + 0.1 * v + 0.005 * u / mass, v + 0.1 * u / mass);
+        }
+        assert!(controller.predicted_cost() >= 0.0);
+    }
+}

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike, fspath
 from typing import Any, TypedDict
+
+import numpy as np
 
 from . import _native
 from ._native import BracketryError
@@ -85,10 +88,14 @@ def control(
     Raises
     ------
     BracketryError
-        For a problem that contradicts itself, and if the plant stops.
+        For a problem that contradicts itself, and if the plant stops. A plant whose states are no numbers is in the result, with a
+        `RuntimeWarning`.
     """
     answer = _native.control(**problem_of(problem, models), seed=None if seed is None else whole(seed, "seed"))
     data = parsed(answer["json"])
+    lost = np.flatnonzero(~np.isfinite(answer["states"]).all(axis=1))
+    if lost.size:
+        warnings.warn(f"the plant ended early, at t = {answer['t'][lost[0]]:.6g} s: see `notes`", RuntimeWarning, stacklevel=2)
     return result_of(
         ClosedLoop,
         data,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from numbers import Real
 from os import PathLike
 from typing import Any
 
@@ -35,9 +36,26 @@ class Prediction:
     input_names: list[str]
 
 
-def _measured(answer: Callable[..., Step], y: Sequence[float] | Floats, *time: Any) -> Step:
+def _by_name(values: Mapping[str, Any], names: list[str], what: str, absent: float | None) -> list[float]:
+    """Numbers by name, in order; ``absent`` stands for what is missing, which is refused without it."""
+    unknown = [str(name) for name in values if name not in names]
+    if unknown:
+        raise BracketryError(f"{what}: there is no `{unknown[0]}`; its names are {', '.join(names)}")
+    missing = [name for name in names if name not in values]
+    if missing and absent is None:
+        raise BracketryError(f"{what}: `{missing[0]}` is missing; give {', '.join(names)}")
+    wrong = [name for name in values if not isinstance(values[name], Real)]
+    if wrong:
+        raise BracketryError(f"{what}: `{wrong[0]}` is not a number: {values[wrong[0]]!r}")
+    return [float(values[name]) if name in values else float(absent or 0.0) for name in names]
+
+
+def _measured(answer: Callable[..., Step], names: Callable[[], list[str]], y: Any, *time: Any) -> Step:
     """The answer to a measurement; what is no list of numbers, or no time, is refused as everything else."""
-    if type(y) is not list and (type(y) is not np.ndarray or y.dtype != np.float64):
+    if isinstance(y, Mapping):
+        given = {name: float("nan") if value is None else value for name, value in y.items()}
+        y = _by_name(given, names(), "the measurement", None)
+    elif type(y) is not list and (type(y) is not np.ndarray or y.dtype != np.float64):
         y = floats(y, "the measurement")
     try:
         return answer(y, *time)
@@ -45,6 +63,10 @@ def _measured(answer: Callable[..., Step], y: Sequence[float] | Floats, *time: A
         raise
     except (TypeError, ValueError) as e:
         raise BracketryError(f"the measurement is not a list of numbers, or its time is not a number: {e}") from None
+
+
+def _remade(problem: Any, models: Mapping[str, System] | None, log: int) -> Controller:
+    return Controller(problem, models=models, log=log)
 
 
 class Controller:
@@ -87,15 +109,23 @@ class Controller:
         models: Mapping[str, System] | None = None,
         log: int = 10_000,
     ) -> None:
+        self._given = (problem, None if models is None else dict(models), log)
         self._native = _native.LiveController(**problem_of(problem, models), log=whole(log, "log"))
 
-    def step(self, y: Sequence[float] | Floats, t: float | None = None) -> Step:
+    def __repr__(self) -> str:
+        return f"Controller(measured={self.measured}, inputs={self.inputs}, period={self.period})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy starts anew: with the problem as it was given, at sample 0."""
+        return _remade, self._given
+
+    def step(self, y: Sequence[float] | Floats | Mapping[str, float | None], t: float | None = None) -> Step:
         """The input for a measurement: :meth:`prepare` where it has not been called, then :meth:`feedback`.
 
         Parameters
         ----------
         y
-            What was measured, in the order of :attr:`measured`; NaN where nothing was.
+            What was measured, in the order of :attr:`measured` or by name; NaN (by name also None) where nothing was.
         t
             Time of the measurement in s, on a clock of your own. Samples that have passed since the last one without a
             measurement are compensated: the last input counts as held. Without a time, every call is the next sample.
@@ -105,7 +135,9 @@ class Controller:
         Step
             ``u``, the input to hold for a :attr:`period`, with ``status`` (solved, inaccurate, infeasible, played_out or fallback),
             ``reason`` of a fallback, ``source`` of the input (program, tangent, plan, brake or rest), ``sample``, ``missed``
-            samples before it, ``estimate`` of the states, ``feedback_seconds`` and ``prepare_seconds``.
+            samples before it, ``estimate`` of the states, ``innovation``, by which the states differ from what the plan before predicted
+            (None for the first sample, after missed ones, and with a compensated delay),
+            ``programs`` solved and ``iterations`` in them, ``feedback_seconds`` and ``prepare_seconds``.
 
         Raises
         ------
@@ -113,15 +145,15 @@ class Controller:
             For a measurement of the wrong length, and for a time that is not finite, not after the last, or more than a horizon
             after it. The controller is then as it was.
         """
-        return _measured(self._native.step, y, t)
+        return _measured(self._native.step, lambda: self.measured, y, t)
 
     def prepare(self) -> None:
         """Everything that does not need the next measurement; call it while the input acts."""
         self._native.prepare()
 
-    def feedback(self, y: Sequence[float] | Floats) -> Step:
+    def feedback(self, y: Sequence[float] | Floats | Mapping[str, float | None]) -> Step:
         """The input for a measurement, as fast as possible after :meth:`prepare`."""
-        return _measured(self._native.feedback, y)
+        return _measured(self._native.feedback, lambda: self.measured, y)
 
     def lost(self) -> Step:
         """The input of a sample whose measurement has not come: that of the failure policy."""
@@ -131,11 +163,13 @@ class Controller:
         """What the plan behind the last input predicts, from the time on at which that input acts."""
         return Prediction(**self._native.predict(), state_names=self.states, input_names=self.inputs)
 
-    def reset(self, x0: Sequence[float] | Floats | None = None) -> None:
-        """Starts again at sample 0, from the problem's initial state or another.
+    def reset(self, x0: Sequence[float] | Floats | Mapping[str, float] | None = None) -> None:
+        """Starts again at sample 0, from the problem's initial state or another, as a list or by name (0 for what is missing).
 
         Changes of references, parameters, bounds and targets stay.
         """
+        if isinstance(x0, Mapping):
+            x0 = _by_name(x0, self.states, "x0", 0.0)
         self._native.reset(None if x0 is None else floats(x0, "x0"))
 
     def set_reference(self, name: str, value: float | Sequence[float] | Floats) -> None:
@@ -174,6 +208,11 @@ class Controller:
     def status(self) -> dict[str, Any]:
         """Outcomes of the samples since the last reset: solved, inaccurate, infeasible, fallback …"""
         return parsed(self._native.counts())
+
+    @property
+    def predicted_cost(self) -> float:
+        """Cost of the last plan over the horizon, without penalties."""
+        return self._native.predicted_cost
 
     @property
     def period(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from os import PathLike, fspath
@@ -125,7 +126,7 @@ def simulate(
     Raises
     ------
     BracketryError
-        For what does not fit the model. Blow-up and chattering are in the result.
+        For what does not fit the model. Blow-up and chattering are in the result, with a `RuntimeWarning`.
     """
     model_of(system)
     native: dict[str, Any] = {"rtol": rtol, "atol": atol, "hold_inputs": hold}
@@ -220,6 +221,8 @@ def _run(
         **native,
     )
     data = parsed(answer["json"])
+    if not data["finished"]:
+        warnings.warn(f"the simulation ended early: {data['stopped']}", RuntimeWarning, stacklevel=3)
     return result_of(
         Trajectory,
         data,

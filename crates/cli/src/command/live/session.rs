@@ -129,7 +129,7 @@ impl Session {
     /// Sends the input that has just been decided.
     fn answer(&mut self, predict: bool, outbox: &Outbox) {
         let prediction = predict.then(|| self.prediction());
-        let LiveStep { sample, missed, step } = self.controller.last();
+        let LiveStep { sample, missed, step, .. } = self.controller.last();
         self.counts.add(step);
         self.late.add(step.timings.total(), self.controller.period());
         outbox.put(&Answer::Input {
