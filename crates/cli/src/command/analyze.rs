@@ -61,7 +61,7 @@ pub(crate) struct AnalyzeArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Point for local statements instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
+    /// Point for local statements instead of the model's, such as x=0.1,th=pi/2; unnamed states and inputs are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
     /// Bracket to print, such as "[g1,[f,g1]]"; f is the drift, and g1, g2, … or the names of the inputs are the input fields;
