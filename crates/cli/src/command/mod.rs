@@ -88,7 +88,7 @@ enum Command {
         "0  decided: every generic dimension, the requests of --at, --bracket, and --determines, and which states \
          and parameters the outputs determine; with --parameters or --map, the list of cases is proven \
          complete; with --identifiability, local and global identifiability of all parameters are known\n\
-         1  one of these is undecided; the report says which and why (other quantities may be unknown)\n2  bad input",
+         1  one of these is undecided, or no affine form was found; the report says which and why (other quantities may be unknown)\n2  bad input",
     )]))]
     Analyze(analyze::AnalyzeArgs),
     /// Write the model in a form that is affine in its inputs
