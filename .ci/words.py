@@ -27,7 +27,7 @@ TERMS = {
 }
 # Turns that read as translated, with what a native writer says.
 TURNS = {
-    "exactly if": "if and only if", "just if": "if and only if", "does not name is 0": "unnamed states are 0",
+    "exactly if": "if and only if", "just if": "if and only if", "does not name is 0": "unnamed states are 0", "is absent is 0": "unnamed states are 0", "not named is 0": "unnamed states are 0",
     "of no importance": "does not matter", "with their place (": "with line and column", "refused with their place": "rejected with line and column",
     "is singular but where": "singular only where", "nothing is trusted": "not trusted but verified", "made up for": "compensated",
     "number is believed": "is accepted", "prove something of": "certificates for", "program per sample settles": "one QP per sample suffices",

@@ -6,7 +6,7 @@ use anyhow::Context;
 use bracketry::Analysis;
 use bracketry::lie::observability::{IdentifiabilityOptions, ObservabilityReport};
 use bracketry::lie::parameters::{ParameterOptions, ParameterRange};
-use bracketry::lie::{AnalysisOptions, identifiability, parameter_cases, parameter_map};
+use bracketry::lie::{AnalysisError, AnalysisOptions, identifiability, parameter_cases, parameter_map};
 use bracketry::report::analysis as report;
 use bracketry::report::identifiability::{identifiability_json, identifiability_text};
 use bracketry::report::parameters::{
@@ -19,6 +19,7 @@ use super::from_rest;
 use super::limits::TimeLimit;
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
+use super::style::error;
 use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
@@ -61,7 +62,7 @@ pub(crate) struct AnalyzeArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Point for local statements instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
+    /// Point for local statements instead of the model's, such as x=0.1,th=pi/2; unnamed states and inputs are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
     /// Bracket to print, such as "[g1,[f,g1]]"; f is the drift, and g1, g2, … or the names of the inputs are the input fields;
@@ -158,7 +159,15 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result
         ..AnalysisOptions::default()
     };
     let progress = spinner("brackets and ranks");
-    let analysis = bracketry::analyze(&system, &options).with_context(|| args.model.display().to_string())?;
+    let analysis = match bracketry::analyze(&system, &options) {
+        // What the inputs reach is undecided.
+        Err(AnalysisError::Affine(why)) => {
+            progress.finish_and_clear();
+            error(&format!("{}: {why}", args.model.display()));
+            return Ok(Outcome::Negative);
+        }
+        found => found.with_context(|| args.model.display().to_string())?,
+    };
     progress.finish_and_clear();
     if let Some(dir) = &output.out {
         save(&analysis, dir)?;

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::report::stiffness::{figures, json as object, markdown, text};
 use bracketry::stiffness::{
-    ChosenPoses, CompensatedLog, Identification, Outliers, RobotFile, RobotLog, TWIST_COLUMNS, WRENCH_COLUMNS,
-    Weighing, with_springs,
+    ChosenPoses, CompensatedLog, Identification, Outliers, PayloadError, RobotFile, RobotLog, StiffnessRunError,
+    TWIST_COLUMNS, WRENCH_COLUMNS, Weighing, with_springs,
 };
 use clap::{Args, Subcommand};
 use serde::Serialize;
@@ -15,7 +15,7 @@ use super::file_kind::{FileKind, Given};
 use super::help::guide;
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
-use super::style::warning;
+use super::style::{error, warning};
 use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
@@ -32,11 +32,11 @@ const POSES_CODES: (&str, &str) = (
 );
 const WEIGH_CODES: (&str, &str) = (
     "Exit codes",
-    "0  identified\n2  bad input, or the readings do not separate the quantities; the message says which",
+    "0  identified\n1  the readings do not separate the quantities, or show no payload; the message gives the reason\n2  bad input",
 );
 const COMPENSATE_CODES: (&str, &str) = (
     "Exit codes",
-    "0  compensated\n1  no sample could be used, or the loop with --process-stiffness is not stable\n2  bad input",
+    "0  compensated\n1  no sample could be used, or the loop with --process-stiffness is not shown to be stable\n2  bad input",
 );
 
 /// Commands of `stiffness`. All take a table and the robot file, in either order.
@@ -234,7 +234,13 @@ fn poses(candidates: &Path, robot: &Path, count: usize, output: &CommonArgs) -> 
 }
 
 fn weigh(readings: &Path, robot: &Path, output: &CommonArgs) -> anyhow::Result<Outcome> {
-    let found = Weighing::new(&RobotFile::read(robot)?, readings)?;
+    let found = match Weighing::new(&RobotFile::read(robot)?, readings) {
+        Err(StiffnessRunError::Weighing { file, why }) if undetermined(&why) => {
+            error(&format!("{file}: {why}"));
+            return Ok(Outcome::Negative);
+        }
+        found => found?,
+    };
     if let Some(dir) = &output.out {
         folder(dir)?;
         write(&dir.join("weighing.json"), &json(&object::weighing(&found))?)?;
@@ -243,6 +249,14 @@ fn weigh(readings: &Path, robot: &Path, output: &CommonArgs) -> anyhow::Result<O
     }
     report(&text::weighing(&found), &object::weighing(&found), output, "the table [payload]")?;
     Ok(Outcome::Done)
+}
+
+/// Whether readings that make sense do not determine the payload.
+fn undetermined(why: &PayloadError) -> bool {
+    matches!(
+        why,
+        PayloadError::OneOrientation { .. } | PayloadError::OneDirection { .. } | PayloadError::NoWeight { .. }
+    )
 }
 
 /// Prints a report, and what `--out` has written or would write.
@@ -271,7 +285,7 @@ fn compensate(log: &Path, robot: &Path, process: Option<[f64; 3]>, output: &Comm
     progress.finish_and_clear();
     let files = "the corrected references and a figure";
     report(&text::compensated_log(&run), &object::compensated_log(&run), output, files)?;
-    // A log of which nothing could be used answers nothing; a loop that is not stable is none to run.
+    // A log of which nothing could be used answers nothing; a loop that may be unstable is none to run.
     let unstable = run.loop_gain.is_some_and(|gain| !gain.holds());
     Ok(if run.held() == run.samples || unstable { Outcome::Negative } else { Outcome::Done })
 }

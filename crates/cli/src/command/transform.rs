@@ -38,7 +38,7 @@ pub(crate) struct TransformArgs {
     /// chained (two inputs without drift)
     #[arg(long, value_name = "FORM")]
     to: Form,
-    /// Point near which branches are chosen, instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
+    /// Point near which branches are chosen, instead of the model's, such as x=0.1,th=pi/2; unnamed states and inputs are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
     /// Output for the form; by default all outputs of the model; may be repeated
