@@ -21,6 +21,7 @@ mod controller;
 mod filter;
 mod filter_iteration;
 mod interior_point;
+mod kinks;
 mod settings;
 mod solution;
 mod solver;

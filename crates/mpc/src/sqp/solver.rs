@@ -17,9 +17,6 @@ use std::time::Instant;
 const ROUNDINGS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 const SHARPENING: usize = 30;
 
-/// Widths of kinks before the last one, in units of it, where the settings give no others.
-const WIDER: [f64; 2] = [100.0, 10.0];
-
 /// The solver: problem, dynamics and memory.
 pub struct Sqp {
     pub(crate) problem: Transcription,
@@ -218,12 +215,14 @@ impl Sqp {
         let mut log = self.spare.log();
         let mut widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
         let mut wide_steps = 0;
+        let mut kinks = None;
         if !self.problem.dynamics.has_jumps() && self.settings.filter_iterations > 0 {
             // Kinks are smooth functions that get sharper.
-            let last = widths.pop();
-            if let Some(last) = last.filter(|_| z.is_finite()) {
-                wide_steps = if warm { 0 } else { self.sharpen_kinks(&mut z, &widths, last, &mut log)? };
+            if let Some(last) = widths.pop().filter(|_| z.is_finite()) {
+                let wider = std::mem::take(&mut widths);
+                wide_steps = if warm { 0 } else { self.sharpen_kinks(&mut z, &wider, last, &mut log)? };
                 self.problem.dynamics.set_smoothing(last);
+                kinks = warm.then(|| (wider, last, self.spare.copy(&z)));
             }
             widths.clear();
         }
@@ -235,6 +234,9 @@ impl Sqp {
             }
             status = self.solve_smooth(&mut z, warm, &mut log)?;
             self.interior_point_steps += wide_steps;
+            if let Some((wider, last, before)) = kinks {
+                status = self.beyond_kinks(&mut z, status, (&wider, last), before, &mut log)?;
+            }
         } else if z.is_finite() {
             self.qp.forget_multipliers();
             let last = widths.len().saturating_sub(1);
@@ -299,32 +301,6 @@ impl Sqp {
         }
         self.problem.ocp.round_norms(FINEST_ROUNDING);
         Ok(())
-    }
-
-    /// Goes from the guess to a solution by kinks that get sharper: at the widths given, or without any at [`WIDER`] ones than the `last`. The
-    /// steps of the interior-point method.
-    fn sharpen_kinks(
-        &mut self,
-        z: &mut PlannedTrajectory,
-        widths: &[f64],
-        last: f64,
-        log: &mut Vec<Iteration>,
-    ) -> Result<usize, MpcError> {
-        let wider = WIDER.map(|factor| factor * last);
-        let mut steps = 0;
-        for &width in if widths.is_empty() { &wider[..] } else { widths } {
-            let mut trial = self.spare.copy(z);
-            self.problem.dynamics.set_smoothing(width);
-            let status = self.solve_smooth(&mut trial, false, log)?;
-            steps += self.interior_point_steps;
-            if status == SolveStatus::Converged && trial.is_finite() {
-                self.spare.replace(z, trial);
-            } else {
-                self.spare.give(trial);
-            }
-            self.start_afresh()?;
-        }
-        Ok(steps)
     }
 
     /// Forgets multipliers, and the Hessian where the choice is automatic.

@@ -38,3 +38,23 @@ fn drag_with_abs_is_planned_against() {
     assert!(report.succeeded && report.notes.is_empty(), "{:?}", report.notes);
     assert!(report.x_final.get("x").is_some_and(|x| (x - 1.0).abs() < 1e-3));
 }
+
+/// Loops whose input may go beyond saturation come to the goal as those whose input may not, but for a detour of an interval.
+#[test]
+fn a_loop_does_not_stay_where_an_actuator_saturates() {
+    let model = "states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"max(-1, min(1, u))\" }";
+    for (start, weight) in [(3.0, 1e-3), (-2.0, 1e-2), (1.0, 1e-3)] {
+        let costs = [1.1, 2.0, 5.0].map(|bound| {
+            let report = run(
+                model,
+                &format!(
+                    "horizon = {{ steps = 20, dt = 0.1 }}\ncost = {{ stage = \"x^2 + {weight:?}*u^2\" }}\n\
+                     constraints = {{ u = {{ min = -{bound:?}, max = {bound:?} }} }}\nrun = {{ x0 = {{ x = {start:?} }}, steps = 40 }}"
+                ),
+            );
+            assert!(report.x_final.get("x").is_some_and(|x| x.abs() < 1e-3), "{start} {bound}: {report:?}");
+            report.closed_loop_cost
+        });
+        assert!(costs.iter().all(|cost| (cost - costs[0]).abs() < 2e-2 * costs[0]), "{start}: {costs:?}");
+    }
+}
