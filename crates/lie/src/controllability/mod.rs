@@ -1,5 +1,6 @@
 //! What the inputs reach: generically, at a point, by switching.
 
+pub(crate) mod at_equilibrium;
 pub(crate) mod balance;
 pub(crate) mod brockett;
 pub(crate) mod canceled_switching;

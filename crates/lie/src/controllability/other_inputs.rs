@@ -3,11 +3,11 @@
 use bracketry_symbolic::{Expr, Function, Pool, Rational};
 
 use crate::answer::Answer;
+use crate::controllability::at_equilibrium::AtEquilibrium;
 use crate::controllability::holding::deviations;
 use crate::controllability::input_values::InputValues;
 use crate::controllability::linearization::{Linearization, uncontrollable};
 use crate::controllability::local_accessibility::Frame;
-use crate::controllability::stabilizable::AtEquilibrium;
 use crate::evidence::Evidence;
 use crate::reason::StabilizableReason;
 

@@ -3,53 +3,29 @@
 use bracketry_symbolic::{Expr, Function, Pool};
 use rustc_hash::FxHashMap;
 
-use crate::algebra::closure::Closure;
 use crate::algebra::field::is_plain_zero;
 use crate::algebra::integrals::search::integrals_of_involutive;
 use crate::answer::Answer;
+use crate::controllability::at_equilibrium::AtEquilibrium;
 use crate::controllability::critical_mode::{by_critical_modes, in_the_plane};
 use crate::controllability::growing_form::growing_form;
-use crate::controllability::input_set::InputSet;
-use crate::controllability::input_values::Side;
 use crate::controllability::linearization::{is_hurwitz, is_linear, rational_matrices};
-use crate::controllability::local_accessibility::{Frame, LocalAccessibility};
+use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
 use crate::controllability::other_inputs::with_other_inputs;
 use crate::controllability::region::{Extent, Region};
-use crate::controllability::stlc::{Stlc, Verdict};
+use crate::controllability::stlc::Verdict;
 use crate::evidence::Evidence;
 use crate::feedback::critical::Critical;
 use crate::feedback::zero_dynamics::Set;
 use crate::linear::spectrum::Spectrum;
 use crate::linear::taylor::is_analytic;
 use crate::reason::{Reason, StabilizableReason, StlcReason};
-use crate::residues::Fp;
 use crate::undecided::Undecided;
 
 /// Most states of which a Lyapunov function or center manifold is sought.
 const MAX_STATES: usize = 8;
-
-/// What is known of an equilibrium.
-pub(crate) struct AtEquilibrium<'a> {
-    pub(crate) frame: &'a Frame,
-    /// Rank of Kalman's matrix.
-    pub(crate) rank: usize,
-    /// The input fields at the point.
-    pub(crate) inputs: &'a [Vec<Fp>],
-    /// Whether the modes that no input reaches decay.
-    pub(crate) decays: Answer<bool>,
-    /// Dimensions of the accessibility algebra and of its strong part: generic and at the point.
-    pub(crate) generic: [usize; 2],
-    pub(crate) local: &'a LocalAccessibility,
-    /// The accessibility distribution.
-    pub(crate) reach: &'a Closure,
-    pub(crate) stlc: &'a Stlc,
-    pub(crate) sides: &'a [Option<Side>],
-    /// The inputs with their ranges, and their values at the point.
-    pub(crate) set: &'a InputSet<'a>,
-    pub(crate) values: &'a [Expr],
-}
 
 /// The verdict, from the linearization, from what no input changes or lowers, or from local controllability.
 ///
