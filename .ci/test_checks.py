@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The checks of the main job and of records fail where they should: outcome, causes, gain, effort, date."""
+"""The checks of the plate demonstration, of records, of references, and of words fail where they should."""
 
 import copy
 import pathlib
@@ -10,6 +10,8 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import records  # noqa: E402
+import references  # noqa: E402
+import words  # noqa: E402
 from main_job import problems  # noqa: E402
 
 ARRIVAL = {"x_m": 1e-3, "y_m": -1e-3, "phi_deg": 0.5, "spin_deg_s": 0.0, "settled_s": 1.4}
@@ -88,6 +90,37 @@ class Records(unittest.TestCase):
                 self.assertIn("does not say", records.out_of_date("record.md", ["program.rs"]))
             finally:
                 records.ROOT = root
+
+
+class References(unittest.TestCase):
+    ENTRIES = '- W.-L. Chow, "Systems", 1939.\n- P. Martin and P. Rouchon, "Driftless systems", 1994.\nBrockett 1983\n'
+
+    def test_a_citation_needs_an_entry_with_its_name_and_year(self):
+        text = "By Chow (1939), and Martin and Rouchon 1994: yes. Brockett 1983; Chow 1940. Stefani's condition (1986). 1994.5 kg, MuJoCo 2012-3."
+        self.assertEqual(references.missing(text, self.ENTRIES), ["Brockett 1983", "Chow 1940", "Stefani 1986"])
+
+    def test_accents_and_line_breaks_do_not_matter(self):
+        self.assertEqual(references.missing("# (Kokotovic\n# 1992)", "- P. Kokotović, 1992.\n"), [])
+
+
+class Words(unittest.TestCase):
+    def places(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run(["git", "init"], cwd=folder, check=True, capture_output=True)
+            (pathlib.Path(folder) / "a.md").write_text(text)
+            subprocess.run(["git", "add", "a.md"], cwd=folder, check=True, capture_output=True)
+            return list(words.places(pathlib.Path(folder)))
+
+    def test_a_turn_is_found_with_its_place(self):
+        spelled = "col" + "our"
+        self.assertEqual(self.places(f"Good.\nThe {spelled} is red.\n"), [f"a.md:2: `{spelled}`: write color"])
+
+    def test_a_turn_of_documents_may_stand_in_code(self):
+        self.assertEqual(self.places("`it_is_refused` is a test.\n"), [])
+        self.assertEqual(self.places("It is refused.\n"), ["a.md:1: `refused`: write rejected"])
+
+    def test_an_old_key_is_exempt(self):
+        self.assertEqual(self.places("`centre` is a key.\n"), [])
 
 
 if __name__ == "__main__":

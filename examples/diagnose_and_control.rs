@@ -1,9 +1,9 @@
-//! What a diagnosis is worth in control: the reference move on a plate that is otherwise than believed, planned and
+//! What a diagnosis is worth in control: the reference move on a plate that differs from its model, planned and
 //! corrected with the model as it was and as the diagnosis extended it.
 //!
 //! An effect is hidden in the plant with contact over the whole footprint. A multisine is recorded with noise, the model of a
 //! disk is diagnosed from this log alone, and then both models move the object by 60 mm, 30 mm and 90° at once on the same
-//! plant: the plan alone, played without looking, and in closed loop, planning once more every 20 ms from the measured state.
+//! plant: the plan in open loop, and in closed loop, planning once more every 20 ms from the measured state.
 //!
 //! ```text
 //! cargo run --release --example diagnose_and_control -- --out out
@@ -94,7 +94,7 @@ fn main() -> anyhow::Result<()> {
     let options = Options::parse();
     let nominal = System::parse("plate_disk.toml", include_str!("../models/plate_disk.toml"))?;
     let settings = RecordingSettings::default();
-    println!("| hidden | found | model | plan alone: left, mm | deg | closed loop: left, mm | deg | cost |");
+    println!("| hidden | found | model | open loop: left, mm | deg | closed loop: left, mm | deg | cost |");
     println!("|---|---|---|---|---|---|---|---|");
     let kinds = options.effect.as_deref().map_or(EFFECTS.to_vec(), |kind| vec![kind]);
     for kind in kinds {
@@ -140,7 +140,7 @@ fn draw(kind: &str, moves: &[Move]) -> anyhow::Result<Drawing> {
         let mut panel = Panel::new(label).target(scale * targets[index]);
         for Move { model, role, played, run, .. } in moves {
             for (what, way, dash) in
-                [("plan alone", played, Dash::Dotted), ("closed loop", &run.closed_loop.x, role.dash())]
+                [("open loop", played, Dash::Dotted), ("closed loop", &run.closed_loop.x, role.dash())]
             {
                 let values: Vec<f64> = way.iter().map(|x| scale * x[index]).collect();
                 let series = Series::new(format!("model {model}, {what}"), run.closed_loop.t.clone(), values);

@@ -120,7 +120,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("slope over the last four fifths: {rate:.0} bytes per system");
     std::fs::write(format!("{stem}.csv"), csv)?;
     let line = Series::new("resident memory", at, memory.iter().map(|&b| mib(b)).collect::<Vec<_>>());
-    let panel = Panel::new("MiB").series(line).limits(0.0, 1.2 * mib(most));
+    let panel = Panel::new("resident memory [MiB]").series(line).limits(0.0, 1.2 * mib(most));
     XyChart::new("systems analyzed", panel).title("Memory of one process").integer().draw()?.save(&stem)?;
     Ok(())
 }

@@ -268,13 +268,13 @@ fn circle_figure(mill: &Mill, runs: &[(&str, CircleRun)], dir: &Path) -> Result<
 }
 
 fn points_figure(runs: &[(&str, CircleRun)], dir: &Path) -> Result<(), Box<dyn Error>> {
-    let mut panel = Panel::new("point-to-point error [µm]");
+    let mut panel = Panel::new("distance from the reference [µm]");
     for (name, run) in runs {
         let errors = smooth(run.samples.iter().map(|s| 1e6 * s.point_error));
         panel = panel.series(Series::new(*name, angles(run), errors));
     }
     XyChart::new("angle along the circle [°]", panel)
-        .title("Distance of the tool point from where it is to be (mean over 40 ms)")
+        .title("Distance of the tool point from its reference (mean over 40 ms)")
         .draw()?
         .save(dir.join("stiffness_points"))?;
     Ok(())

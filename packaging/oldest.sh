@@ -9,7 +9,9 @@ environment=$target/oldest-environment
 rm -rf "$environment"
 python3 -m venv "$environment"
 "$environment/bin/python" -m pip install --quiet --disable-pip-version-check --requirement packaging/requirements.txt "numpy==$numpy.*" pytest
-rustup toolchain install "$rust" --profile minimal >/dev/null 2>&1 || true   # present where it is the default
+if command -v rustup >/dev/null && ! rustup run "$rust" rustc --version >/dev/null 2>&1; then
+    rustup toolchain install "$rust" --profile minimal
+fi
 RUSTUP_TOOLCHAIN=$rust PATH=$environment/bin:$PATH "$environment/bin/python" -m pip install --quiet --disable-pip-version-check \
     --no-build-isolation --no-deps --force-reinstall .
 "$environment/bin/python" -c "import numpy, sys; print('Python', sys.version.split()[0], 'NumPy', numpy.__version__)"

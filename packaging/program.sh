@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The command as an archive in dist/: program, licenses, models, shell completions, manual pages. The argument is the target (this machine's if left out).
+# The command as an archive in dist/: program, licenses (also of the crates and of the font in it), models, shell completions, manual pages.
+# The argument is the target (this machine's if left out).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 target=${1:-$(rustc -vV | sed -n 's/^host: //p')}
@@ -14,7 +15,8 @@ case $target in
 esac
 cp "$built/$program" "dist/$folder/"
 cp crates/README.md "dist/$folder/README.md"
-cp -r LICENSE-MIT LICENSE-APACHE CITATION.cff models "dist/$folder/"
+cp -r LICENSE-MIT LICENSE-APACHE CITATION.cff models crates/plot/assets/LICENSE-DejaVu.txt "dist/$folder/"
+packaging/licenses.py bracketry-cli "dist/$folder/THIRDPARTY.txt"
 for shell in bash zsh fish; do
     "$built/$program" completions "$shell" >"dist/$folder/completions/bracketry.$shell"
 done

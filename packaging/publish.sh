@@ -14,7 +14,7 @@ for crate in $order; do
         case $log in
             *"already exists"* | *"already uploaded"*) break ;;
             *429* | *"Too Many Requests"*)
-                echo "$crate: the registry asks to wait"
+                echo "$crate: the registry limits the rate; waiting for 10 minutes"
                 sleep 600
                 ;;
             *)

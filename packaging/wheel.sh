@@ -6,40 +6,27 @@ cd "$(dirname "$0")/.."
 target=${CARGO_TARGET_DIR:-$PWD/target}
 tools=$target/packaging-environment
 clean=$(mktemp -d)
-trap 'rm -rf "$clean"' EXIT
-test -x "$tools/bin/python" || python3 -m venv "$tools"
-"$tools/bin/python" -m pip install --quiet --disable-pip-version-check --requirement packaging/requirements.txt
+bin=bin
+case $(uname -s) in
+    MINGW* | MSYS* | CYGWIN*) bin=Scripts ;;
+esac
+licenses=$PWD/crates/python/python/bracketry/THIRDPARTY.txt   # in the package, so that the wheel has it
+trap 'rm -rf "$clean" "$licenses"' EXIT
+test -d "$tools/$bin" || python3 -m venv "$tools"
+"$tools/$bin/python" -m pip install --quiet --disable-pip-version-check --requirement packaging/requirements.txt
 rm -f dist/*.whl dist/*.tar.gz
-"$tools/bin/maturin" build --release --locked --out dist
-"$tools/bin/maturin" sdist --out dist
-"$tools/bin/twine" check --strict dist/*.whl dist/*.tar.gz
-python3 -m venv "$clean"
-"$clean/bin/python" -m pip install --quiet --disable-pip-version-check dist/*.whl
-cd "$clean"   # away from the sources
-bin/bracketry --version
-bin/bracketry new mass >/dev/null
-bin/bracketry analyze mass.toml --json >command.json
-bin/python -m bracketry analyze mass.toml --json >module.json
-bin/python - <<'PROGRAM'
-import json
-import subprocess
-
-import bracketry
-
-command, module = (json.load(open(name)) for name in ("command.json", "module.json"))
-library = bracketry.analyze(bracketry.System.from_file("mass.toml"))
-dimensions = [report["modes"][0]["accessible_dimension"] for report in (command, module)]
-assert dimensions == [library.modes[0].accessible_dimension] * 2, (dimensions, library)
-missing = subprocess.run(["bin/bracketry", "analyze", "no_such_file.toml"], capture_output=True)
-assert missing.returncode == 2 and b"no_such_file.toml" in missing.stderr, missing
-print("bracketry", bracketry.__version__, "installed from its wheel: package, command, and module agree")
-PROGRAM
+packaging/licenses.py bracketry-python "$licenses"
+"$tools/$bin/maturin" build --release --locked --out dist
+rm "$licenses"
+"$tools/$bin/maturin" sdist --out dist
+"$tools/$bin/twine" check --strict dist/*.whl dist/*.tar.gz
+packaging/try_wheel.sh
 # The source distribution is what a system without a wheel builds.
-cd - >/dev/null
 source=$(ls "$PWD"/dist/*.tar.gz)
-"$clean/bin/python" -m pip uninstall --quiet --yes bracketry
+python3 -m venv "$clean"
 # From nothing: a folder with other builds would be taken as up to date.
-env -u CARGO_TARGET_DIR "$clean/bin/python" -m pip install --quiet --disable-pip-version-check "$source"
-cd "$clean"
-bin/bracketry analyze mass.toml >/dev/null
+env -u CARGO_TARGET_DIR "$clean/$bin/python" -m pip install --quiet --disable-pip-version-check "$source"
+cd "$clean"   # away from the sources
+"$bin/bracketry" new mass >/dev/null
+"$bin/bracketry" analyze mass.toml >/dev/null
 echo "installed from its source distribution: the command runs"

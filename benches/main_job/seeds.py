@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs the main job with many seeds and writes the table of docs/records/main_job.md.
+"""Runs the demonstration with many seeds and writes the table of docs/records/main_job.md.
 
 usage: seeds.py [--seeds 1-20] [--command target/release/bracketry] [--record | --confirm]
 
-Without --record the table is printed only. Each seed draws other excitations and other noise of the camera. With --confirm the
-default seed alone is run: where its figures are those of the record, to the last digit, the record is said to hold for the programs
+Without --record the table is printed only. With --record or --confirm, the figures of the default seed are copied to docs/figures. Each seed draws other excitations and other noise of the camera. With --confirm the
+default seed alone is run: if its numbers are those of the record, to the last digit, the record is stated to hold for the programs
 as they are now. For changes that leave results as they are.
 """
 
@@ -22,14 +22,16 @@ from concurrent.futures import ThreadPoolExecutor
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 RECORD = ROOT / "docs/records/main_job.md"
+# Figures of the documents: the file of the demonstration, and its name in docs/figures.
+FIGURES = {"extended.gif": "main_job.gif", "before_and_after.png": "main_job_before_and_after.png"}
 BEGIN, END = "<!-- seeds: begin -->", "<!-- seeds: end -->"
 sys.path.insert(0, str(ROOT / ".ci"))
 from main_job import problems  # noqa: E402
 from records import RECORDS, STAMP, stamp  # noqa: E402
 
 
-def run(command: str, seed: int | None, folder: pathlib.Path) -> dict:
-    """The result of one seed, with its times and memory."""
+def run(command: str, seed: int | None, folder: pathlib.Path, draws: bool = False) -> dict:
+    """The result of one seed, with its times and memory; the default seed may also draw the figures of the documents."""
     out = folder / f"seed_{seed}"
     arguments = [command, "demo", "--json", "--out", str(out)] + ([] if seed is None else ["--seed", str(seed)])
     start = time.monotonic()
@@ -43,6 +45,9 @@ def run(command: str, seed: int | None, folder: pathlib.Path) -> dict:
     result = json.loads(done.stdout)
     processor, peak = done.stderr.split()[-2:]
     result.update(processor_s=float(processor), elapsed_s=time.monotonic() - start, peak_mb=int(peak) / 1024)
+    if draws and seed is None:
+        for name, figure in FIGURES.items():
+            shutil.copy(out / name, ROOT / "docs/figures" / figure)
     shutil.rmtree(out, ignore_errors=True)
     print(" | ".join(row("default" if seed is None else seed, result)), file=sys.stderr, flush=True)
     return result
@@ -96,7 +101,7 @@ def chapters(result: dict) -> list[str]:
         return [number(None if m is None else m[name], ".2f", " s") for m in [published, extended]]
 
     rows = [["shortest plan that arrives", *time("shortest_s")], ["duration of the move", *time("duration_s")]]
-    for what, loop in [("closed loop", "arrival"), ("plan alone", "plan_arrival")]:
+    for what, loop in [("closed loop", "arrival"), ("open loop", "plan_arrival")]:
         rows.append([f"{what}, x", *both("x_m", 1e3, "+.2f", " mm", loop)])
         rows.append([f"{what}, y", *both("y_m", 1e3, "+.2f", " mm", loop)])
         rows.append([f"{what}, yaw", *both("phi_deg", 1, "+.2f", "°", loop)])
@@ -125,7 +130,7 @@ def chapters(result: dict) -> list[str]:
 
 
 def values_of_all(results: list[dict]) -> list[str]:
-    """The values of each parameter that the diagnosis adds, beside that of the plant."""
+    """The values of each parameter that the diagnosis adds, compared with that of the plant."""
     found = {}
     for result in results:
         for parameter in (p for c in result["causes"] for p in c["parameters"]):
@@ -139,15 +144,15 @@ def values_of_all(results: list[dict]) -> list[str]:
         ends = f"{statistics.median(values):.4g} ({min(values):.4g} to {max(values):.4g})"
         return [f"`{name}`", str(len(values)), "–" if true is None else f"{true:.4g}", ends, inside]
 
-    header = ["parameter", "runs", "in the plant", "median (least to most)", "95 % intervals that contain the plant's value"]
+    header = ["parameter", "runs", "in the plant", "median (minimum to maximum)", "95 % intervals that contain the plant's value"]
     return table(header, [of(*item) for item in found.items()])
 
 
 def confirm(command: str) -> int:
-    """Runs the default seed, and dates the record anew if nothing but times has changed."""
+    """Runs the default seed, and renews the date of the record if nothing but times has changed."""
     folder = pathlib.Path(tempfile.mkdtemp())
     try:
-        result = run(command, None, folder)
+        result = run(command, None, folder, draws=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     record = RECORD.read_text()
@@ -156,13 +161,13 @@ def confirm(command: str) -> int:
     differ = [(a, b) for k, (a, b) in enumerate(zip(cells, now)) if k not in times and a != b]
     tables = [line for line in chapters(result) if line and line not in record]
     if differ or tables:
-        print(f"the record has other figures: {differ} {tables}", file=sys.stderr)
+        print(f"the record has other numbers: {differ} {tables}", file=sys.stderr)
         return 1
     old = STAMP.search(record)
     new = stamp("python3 benches/main_job/seeds.py --confirm", RECORDS["docs/records/main_job.md"][0])
     end = record.index("\n", old.start())
-    of = re.search(r"figures made at commit ([0-9a-f]+)", record[old.start():end])
-    new += f" The default seed has the figures made at commit {of[1] if of else old[1]} with all seeds."
+    of = re.search(r"(?:numbers of all seeds were|figures) made at commit ([0-9a-f]+)", record[old.start():end])
+    new += f" The numbers of all seeds were made at commit {of[1] if of else old[1]}."
     RECORD.write_text(record[:old.start()] + new + record[end:])
     return 0
 
@@ -173,7 +178,7 @@ def main() -> int:
     parser.add_argument("--command", default=str(ROOT / "target/release/bracketry"))
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time; more than one lengthen each other")
     parser.add_argument("--record", action="store_true", help="write the table into the record")
-    parser.add_argument("--confirm", action="store_true", help="run the default seed alone, and date the record anew")
+    parser.add_argument("--confirm", action="store_true", help="run only the default seed, and renew the date of the record")
     arguments = parser.parse_args()
     if arguments.confirm:
         return confirm(arguments.command)
@@ -182,21 +187,21 @@ def main() -> int:
     try:
         seeds = [None, *range(first, last + 1)]
         with ThreadPoolExecutor(arguments.jobs) as pool:
-            results = dict(zip(seeds, pool.map(lambda seed: run(arguments.command, seed, folder), seeds)))
+            results = dict(zip(seeds, pool.map(lambda seed: run(arguments.command, seed, folder, arguments.record), seeds)))
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    header = ["seed", "as promised", "x, mm", "y, mm", "yaw, °", "at rest from, s", "gain at .1 / .5 / 1 s", "processor, s",
+    header = ["seed", "passed", "x, mm", "y, mm", "yaw, °", "at rest from, s", "gain at 0.1 / 0.5 / 1 s", "processor, s",
               "elapsed, s", "peak, MB", "causes, by parameter"]
     lines = table(header, [row("default" if s is None else s, r) for s, r in results.items()])
     good = sum(not problems(r, {}) for r in results.values())
 
     def median_and_most(name: str) -> str:
         values = [r[name] for r in results.values()]
-        return f"{statistics.median(values):.0f} (most {max(values):.0f})"
+        return f"{statistics.median(values):.0f} (maximum {max(values):.0f})"
 
     text = "\n".join([
         stamp("python3 benches/main_job/seeds.py --record", RECORDS["docs/records/main_job.md"][0]), "",
-        f"{good} of {len(results)} runs as promised, {arguments.jobs} at a time. Processor time {median_and_most('processor_s')} s, elapsed "
+        f"{good} of {len(results)} runs passed, {arguments.jobs} at a time. Processor time {median_and_most('processor_s')} s, elapsed "
         f"{median_and_most('elapsed_s')} s, peak {median_and_most('peak_mb')} MB at the median.", "", *lines, "",
         "### Values over all runs", "", *values_of_all(list(results.values())), "", "### With the default seed", "", *chapters(results[None]),
     ])

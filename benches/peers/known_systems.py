@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`bracketry control` on known systems from papers and packages, beside CasADi with IPOPT.
+"""`bracketry control` on known systems from papers and packages, compared with CasADi and IPOPT.
 
     python benches/peers/known_systems.py --references [--only NAME ...]      # writes problems/references.json
     python benches/peers/known_systems.py [--bracketry PATH] [--only NAME ...] [--method default,sqp] [--record]
@@ -11,7 +11,7 @@ barrier strategies), the best one from perturbed guesses too, and the closed loo
 with friction: the plan with sign() smoothed more and more, its inputs on a flow that is smoothed almost not at all.
 
 The comparison runs the command as it is given to users, and judges the cost of the first plan against the best one that IPOPT
-finds from the same guess: "right" within 0.1 %, "better", "worse" with exit code 0 (silent), "said" with exit code 1. For
+finds from the same guess: "right" within 0.1 %, "better", "worse" with exit code 0 (silent), "reported" with exit code 1. For
 problems with friction it runs all methods on the exact plant and judges the closed loop of the default method: "right" within
 1 % of the best. Needs casadi, numpy, and scipy.
 """
@@ -208,7 +208,7 @@ def notes_of(result):
 def verdict_of(gap, right, code):
     """A judgment of a relative gap and an exit code."""
     if math.isnan(gap) or gap > right:
-        return "worse" if code == 0 else "said"
+        return "worse" if code == 0 else "reported"
     return ("right" if gap >= -right else "better") + ("" if code == 0 else ", exit code 1")
 
 
@@ -258,7 +258,7 @@ def compare_friction(bracketry, path, reference, directory):
 
 def smooth_table(rows):
     lines = ["| problem | verdict | method | first plan | IPOPT, same guess | gap, % | IPOPT, best of all starts "
-             "| loop | loop gap, % | exit | s | time / IPOPT | time / IPOPT and its building | status |",
+             "| loop | loop gap, % | exit | s | time / IPOPT | time / IPOPT with construction | status |",
              "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
     for r in rows:
         lines.append(f"| {r['name']} | {r['verdict']} | {r['method']} | {r['ours']:.6g} | {r['reference']:.6g} "
@@ -303,8 +303,8 @@ def compare(arguments):
                     print(smooth_table(rows[-1:])[-1], flush=True)
             if rows:
                 lines += ["", f"## Smooth problems, method {method}", "", *smooth_table(rows), "",
-                          f"{len(rows)} problems: {totals(rows)}. Time of the first plan, start of the program included, by that "
-                          f"of IPOPT's solution alone: {mean_ratio(rows, 0)}; with the building of IPOPT's program: {mean_ratio(rows, 1)}."]
+                          f"{len(rows)} problems: {totals(rows)}. Time of the first plan, including the start of the program, relative "
+                          f"to IPOPT's solution alone: {mean_ratio(rows, 0)}; with the construction of IPOPT's problem: {mean_ratio(rows, 1)}."]
                 print(lines[-1], flush=True)
         rows = []
         for kind, path in problems(arguments.only):

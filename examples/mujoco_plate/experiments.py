@@ -63,7 +63,7 @@ def run(experiment: int, contact: Contact) -> tuple[Floats, Floats, float]:
 
 
 def arrival(t: Floats, values: Floats, start: float, target: float) -> float | None:
-    """When 98 % of the way were covered first."""
+    """When 98 % of the distance was first covered."""
     covered = (values - start) / (target - start) >= 0.98
     return float(t[covered.argmax()]) if covered.any() else None
 
@@ -84,7 +84,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--experiments", type=int, nargs="*", default=[1, 2, 3])
     chosen = parser.parse_args().experiments
-    print("| experiment | contact | x (mm) | y (mm) | yaw (°) | 98 % of the way (s) | largest gap (mm) |\n|---|---|---|---|---|---|---|")
+    print("| experiment | contact | x (mm) | y (mm) | yaw (°) | 98 % of the distance (s) | largest gap (mm) |\n|---|---|---|---|---|---|---|")
     for experiment in chosen:
         start, seconds, _ = EXPERIMENTS[experiment]
         ours = plate.run(experiment, shape="disk:0.12", mu=0.3, start=start, seconds=seconds)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """One move in MuJoCo as a figure and an animation: `python examples/mujoco_plate/move.py [--out docs/figures]`.
 
-An ellipse is moved by 60 mm and 30 mm and turned by 90° at once; friction is weaker than the controller believes. The animation needs
+An ellipse is moved by 60 mm and 30 mm and turned by 90° at once; friction is weaker than the controller assumes. The animation needs
 rendering without a screen: set MUJOCO_GL to what the machine has (egl, if it is not set).
 """
 

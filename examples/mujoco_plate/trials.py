@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Random moves on the plate in MuJoCo: `python examples/mujoco_plate/trials.py --trials 200`.
 
-Draws objects (disk, ellipse, rectangle, polygon), friction, starts and targets; the controller believes mu = 0.3 and measures the pose
+Draws objects (disk, ellipse, rectangle, polygon), friction, starts and targets; the controller assumes mu = 0.3 and measures the pose
 with noise of 0.5 mm and 0.5° every 20 ms; a command acts one sample late. A move succeeds if from some instant on, until its end, one
 second after the controller has finished, the object is within 2 mm (x and y) and 2° (yaw) of its target while the plate is at rest.
 The time to target is the first such instant; it is infinite for a move that fails. Prints tables. `--record` runs what
@@ -145,7 +145,7 @@ def table(results: list[Result]) -> str:
     ]
     failed = [r for r in results if not r.reached]
     if failed:
-        lines += ["", "| failed | object | μ | believed at the end | status | moves | error at the end |", "|---|---|---|---|---|---|---|"]
+        lines += ["", "| failed | object | μ | final estimate of μ | status | moves | error at the end |", "|---|---|---|---|---|---|---|"]
     for r in failed:
         x, y, yaw = 1e3 * r.error[0], 1e3 * r.error[1], math.degrees(r.error[2])
         lines.append(

@@ -198,7 +198,8 @@ fn describe(system: &mut System, estimate: &Estimate, width: f64) {
     if p.max.as_ref().is_some_and(|max| p.value > *max) {
         p.max = None;
     }
-    let fitted = format!("fitted, std {}, previously {}", significant(estimate.widened(width), 2), estimate.nominal);
+    let std = estimate.widened(width);
+    let fitted = format!("fitted, std {}, previously {}", significant(std, 2), rounded(estimate.nominal, std));
     p.about = Some(p.about.as_ref().map_or(fitted.clone(), |about| format!("{about} ({fitted})")));
 }
 

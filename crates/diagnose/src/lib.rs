@@ -1,4 +1,4 @@
-//! From measured data to what a model gets wrong: the cause by name, the extended model, the gain.
+//! Finds what a model lacks from measured data: named causes, the extended model, the improvement.
 //!
 //! A [`Record`] is one run of the real thing. The model's parameters are fitted to it anew, then what remains between
 //! measurement and simulation is put against a library of [`Effect`]s, each a change of the model with parameters of its own.

@@ -1,4 +1,4 @@
-//! Text files whose errors name the file, line, column, offending text and remedy: TOML documents and tables of samples.
+//! Readers for TOML documents and tables of samples, with errors that give file, line, column, offending text, and remedy.
 
 mod columns;
 mod document;

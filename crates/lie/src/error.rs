@@ -43,8 +43,14 @@ pub enum Error {
         switches: usize,
     },
     /// A constant that has no numerical value.
-    #[error("{what} has no numerical value at the point")]
+    #[error("{what} has no value at the point")]
     NoValue {
+        /// What.
+        what: String,
+    },
+    /// A function that jumps, other than those that switch modes.
+    #[error("{what} jumps at the point: choose a point beside the jump")]
+    Jumps {
         /// What.
         what: String,
     },

@@ -42,6 +42,7 @@ pub mod operating;
 mod options;
 pub mod parameters;
 pub mod reason;
+mod regular;
 mod residues;
 mod undecided;
 

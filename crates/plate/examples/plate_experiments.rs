@@ -38,7 +38,7 @@ fn orientation() -> Result<(), PlateError> {
 
 fn position() -> Result<(), PlateError> {
     println!(
-        "| experiment | friction | 98 % of the way | last second: from … to | peak to peak |\n|---|---|---|---|---|"
+        "| experiment | friction | 98 % of the distance | last second: from … to | peak to peak |\n|---|---|---|---|---|"
     );
     let experiments = [along_x(3), along_x(4), Experiment::translation_y()];
     for experiment in &experiments {

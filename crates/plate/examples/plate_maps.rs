@@ -11,7 +11,7 @@ use bracketry_plot::{Color, HeatMap, RegimeMap};
 use common::{Model, Progress, folder, save};
 use std::path::Path;
 
-const MU: &str = "friction coefficient μ [1]";
+const MU: &str = "friction coefficient μ";
 const FREQUENCY: &str = "frequency [Hz]";
 /// Way in m, or turn in rad, below which an object has not moved.
 const STUCK: f64 = 1e-3;
@@ -31,8 +31,8 @@ enum Regime {
 impl Regime {
     const ALL: [(Regime, &str, Color); 5] = [
         (Regime::Reached, "reaches the target", Color::GREEN),
-        (Regime::Moves, "moves, but not there", Color::SKY),
-        (Regime::Stuck, "stays", Color::GRAY),
+        (Regime::Moves, "moves, misses the target", Color::SKY),
+        (Regime::Stuck, "does not move", Color::GRAY),
         (Regime::RunOff, "runs off the plate", Color::VERMILLION),
         (Regime::LiftsOff, "lifts off: not covered by the model", Color::PURPLE),
     ];
@@ -92,9 +92,9 @@ impl Sweep {
             _ => f64::NAN,
         });
         let (x, y) = self.published_at();
-        let drawing = HeatMap::new(MU, FREQUENCY, "time to 98 % of the way [s]")
+        let drawing = HeatMap::new(MU, FREQUENCY, "time to cover 98 % of the distance [s]")
             .values(self.mu.clone(), self.frequency.clone(), times)
-            .missing(format!("not within {} s on the plate", self.duration))
+            .missing(format!("off the plate, or not reached within {} s", self.duration))
             .mark("as published", x, y)
             .title(format!("Experiment {}: {model}", self.experiment.name))
             .draw()?;

@@ -13,7 +13,7 @@ use bracketry_plot::{Color, RegimeMap};
 use common::{ELLIPSE, Progress, folder, reduced_plant, save, start};
 use std::path::Path;
 
-const MU: &str = "friction coefficient μ [1]";
+const MU: &str = "friction coefficient μ";
 const FREQUENCY: &str = "frequency [Hz]";
 /// Effects below this share of the way do not count.
 const MATTERS: f64 = 0.03;
@@ -153,12 +153,12 @@ fn study(case: &Case, folder: &Path) -> anyhow::Result<()> {
         })
         .collect();
     let mut figure = RegimeMap::new(MU, FREQUENCY)
-        .category("none by more than 3 %", Color(215, 215, 215))
+        .category("no term changes it by more than 3 %", Color(215, 215, 215))
         .cells(mu.clone(), frequency.clone(), cells.chunks(mu.len()).map(<[Option<usize>]>::to_vec))
         .missing("lifts off")
         .mark("as published", 0.3, 1.0 / case.experiment.period)
         .title(format!(
-            "Experiment {}: the term whose absence changes the course most{}",
+            "Experiment {}: the neglected term that changes the motion most{}",
             case.experiment.name,
             if skipped == 1 { ", besides friction against the spin" } else { "" }
         ));
@@ -182,9 +182,9 @@ fn study(case: &Case, folder: &Path) -> anyhow::Result<()> {
         .collect();
     let drawing = RegimeMap::new(MU, FREQUENCY)
         .category("stays on the plate", Color(215, 215, 215))
-        .category("runs off with y θ'² only", Color::VERMILLION)
+        .category("runs off only with y θ'²", Color::VERMILLION)
         .category("runs off with and without", Color::INK)
-        .category("runs off without y θ'² only", Color::BLUE)
+        .category("runs off only without y θ'²", Color::BLUE)
         .cells(mu.clone(), frequency.clone(), centrifugal.chunks(mu.len()).map(<[Option<usize>]>::to_vec))
         .missing("lifts off")
         .mark("as published", 0.3, 1.0 / case.experiment.period)

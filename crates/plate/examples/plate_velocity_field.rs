@@ -63,7 +63,7 @@ fn main() -> anyhow::Result<()> {
         .arrows(arrows)
         .color_label("mean yaw rate [°/s]")
         .missing("lifts off")
-        .title("Mean velocity (x to the right, y upwards) under X and two harmonics of the tilt, 3 Hz")
+        .title("Mean velocity (x to the right, y upward) under X and two harmonics of the tilt, 3 Hz")
         .draw()?;
     save(&drawing, &folder, "velocity_field")?;
 
@@ -82,7 +82,7 @@ fn main() -> anyhow::Result<()> {
         .values(degrees.clone(), frequencies, spin.chunks(phases.len()).map(<[f64]>::to_vec))
         .color_map(ColorMap::Diverging)
         .missing("lifts off")
-        .title("Mean spin on the axis of the plate")
+        .title("Mean spin on the axis of the plate, under X and two harmonics of the tilt")
         .draw()?;
     save(&drawing, &folder, "velocity_spin")?;
 

@@ -162,8 +162,8 @@ fn time_to_target() -> HeatMap {
         let t = 1.2 / (mu * (omega * omega / 9.0) * (0.75 - mu)).max(1e-3) * 0.25;
         if mu > 0.14 * omega || t > 15.0 { f64::NAN } else { t }
     };
-    HeatMap::new("friction coefficient μ [1]", "frequency ω/π [rad/s]", "time to target [s]")
-        .title("Experiment 2: time to reach 98 % of the way")
+    HeatMap::new("friction coefficient μ", "frequency ω/π [rad/s]", "time to target [s]")
+        .title("Experiment 2: time to reach 98 % of the distance")
         .values(mu.clone(), omega.clone(), rows(&mu, &omega, time))
         .missing("not reached within 15 s")
         .range(0.0, 10.0)
@@ -176,7 +176,7 @@ fn time_to_target() -> HeatMap {
 fn drift() -> HeatMap {
     let (mu, f) = (spread(0.05, 0.6, 23), spread(0.5, 3.5, 16));
     let y = |mu: f64, f: f64| 4e-5 * (40.0 * (mu - 0.3) * f - 5.0 * f);
-    HeatMap::new("friction coefficient μ [1]", "frequency [Hz]", "drift of y [m]")
+    HeatMap::new("friction coefficient μ", "frequency [Hz]", "drift of y [m]")
         .values(mu.clone(), f.clone(), rows(&mu, &f, y))
         .color_map(ColorMap::Diverging)
         .contour("no drift", 0.0)
@@ -190,7 +190,7 @@ fn regimes() -> RegimeMap {
         q if q > 0.03 => Some(2),
         _ => None,
     };
-    RegimeMap::new("friction coefficient μ [1]", "frequency [Hz]")
+    RegimeMap::new("friction coefficient μ", "frequency [Hz]")
         .title("What the object does")
         .category("sticks", Color::band(2))
         .category("turns and stays", Color::SKY)

@@ -297,7 +297,7 @@ impl Panel {
                     .y
                     .last()
                     .map_or(String::new(), |v| format!(" (ends at {}{})", three_digits(*v), self.unit()));
-                marks.push((Sample::Beyond, format!("leaves the axes{to}")));
+                marks.push((Sample::Beyond, format!("off scale{to}")));
             }
         }
         marks

@@ -25,7 +25,7 @@ fn asked(mut system: System, at: Option<&str>, bounds: &str) -> Result<(System, 
     Ok((system, bounds))
 }
 
-/// Which rest states inputs within bounds reach.
+/// Which rest states bounded inputs reach.
 #[pyfunction]
 pub(crate) fn from_rest<'py>(
     py: Python<'py>,

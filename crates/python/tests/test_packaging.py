@@ -56,6 +56,18 @@ def test_versions_agree() -> None:
     assert bracketry.__version__ == version
     assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == version
     assert yaml.safe_load((ROOT / "packaging/conda/recipe.yaml").read_text())["context"]["version"] == version
+    tag = subprocess.run([ROOT / "packaging/tagged.sh", f"v{version}"], capture_output=True, text=True)
+    assert tag.returncode == 0, tag.stderr
+    wrong = subprocess.run([ROOT / "packaging/tagged.sh", "v0.0.0"], capture_output=True, text=True)
+    assert wrong.returncode == 1 and "v0.0.0" in wrong.stderr
+
+
+def test_licenses_of_linked_crates_are_collected(tmp_path: Path) -> None:
+    file = tmp_path / "THIRDPARTY.txt"
+    subprocess.run([sys.executable, ROOT / "packaging/licenses.py", "bracketry-cli", file], check=True)
+    text = file.read_text(encoding="utf-8")
+    assert re.search(r"^clap [0-9.]+: MIT OR Apache-2.0$", text, re.M) and "Permission is hereby granted" in text
+    assert not re.search(r"^bracketry", text, re.M)
 
 
 def test_there_is_one_address() -> None:
@@ -68,7 +80,7 @@ def test_there_is_one_address() -> None:
         for url in re.findall(r"https://github\.com/bracketry/[\w./-]*", path.read_text()):
             named += 1
             assert url.startswith(REPOSITORY), f"{name}: {url}"
-            if inside := re.match(re.escape(REPOSITORY) + "/blob/main/(.*)", url):
+            if inside := re.match(re.escape(REPOSITORY) + "/blob/(?:main|v[0-9.]+)/(.*)", url):
                 assert (ROOT / inside[1]).exists(), f"{name}: {url}"
     assert named > 20
 

@@ -112,7 +112,7 @@ impl System {
             let components: Vec<String> = level.components.iter().map(|&c| self.pool.text(c)).collect();
             (components.join(", "), text(level.ratio))
         });
-        let point = self.point.as_ref().map(|p| {
+        let point = self.point.as_ref().filter(|_| self.point_is_finite()).map(|p| {
             let states = self.states.iter().zip(&p.states);
             let inputs = self.inputs.iter().zip(&p.inputs);
             let nonzero = states.chain(inputs).filter(|(_, v)| !self.pool.is_zero(**v));

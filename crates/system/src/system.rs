@@ -273,6 +273,11 @@ impl System {
         Some((values(&point.states)?, values(&point.inputs)?))
     }
 
+    /// Whether there is a point and all states and inputs have finite values there: not the new input 1/u at u = 0.
+    pub fn point_is_finite(&self) -> bool {
+        self.point_values().is_some_and(|(states, inputs)| states.iter().chain(&inputs).all(|v| v.is_finite()))
+    }
+
     /// The system in which the algebraic variables are the last states, with the residuals of their equations as rates: (f, g) as a
     /// function of (x, z, u), to be evaluated and differentiated, not to be integrated.
     #[must_use]

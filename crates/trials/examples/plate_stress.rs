@@ -61,7 +61,7 @@ fn cases() -> Vec<Case> {
     let feet = [[0.09, 0.06], [-0.09, 0.06], [-0.09, -0.06], [0.09, -0.06]];
     let along = 5e-3 / 2f64.sqrt();
     vec![
-        plain("as believed"),
+        plain("as assumed"),
         Case { mu: [0.15, 0.5], ..plain("friction") },
         Case { mu: [0.1, 0.17], ..plain("low friction") },
         Case { mu: [0.45, 0.6], ..plain("high friction") },

@@ -10,13 +10,13 @@ use serde_json::json as object;
 
 use super::limits::TimeLimit;
 use super::output::{folder, json, line, print, write};
-use super::style::warning;
+use super::style::{error, warning};
 use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
     ("The affine model as a model file", "bracketry affinize models/plate_published.toml > plate_affine.toml"),
-    ("Another of the listed candidates", "bracketry affinize models/heading.toml --candidate 1"),
+    ("Another of the listed candidates", "bracketry affinize models/plate_published.toml --candidate 1"),
 ];
 
 /// Arguments of `affinize`.
@@ -37,7 +37,13 @@ pub(crate) fn affinize(args: &AffinizeArgs, output: &CommonArgs) -> anyhow::Resu
     let path = args.model.display().to_string();
     let mut system = output.limits.read(&args.model)?;
     system.pool.set_deadline(output.limits.deadline());
-    let mut affinization = system.affinize().with_context(|| path.clone())?;
+    let mut affinization = match system.affinize() {
+        Ok(found) => found,
+        Err(why) => {
+            error(&format!("{path}: {why}"));
+            return Ok(Outcome::Negative);
+        }
+    };
     // Of what is printed nothing is to be left out.
     let unlimited = affinization.candidates.iter_mut().filter_map(|c| c.system.as_mut());
     for made in unlimited.chain([&mut affinization.system]) {

@@ -6,7 +6,7 @@ use anyhow::Context;
 use bracketry::Analysis;
 use bracketry::lie::observability::{IdentifiabilityOptions, ObservabilityReport};
 use bracketry::lie::parameters::{ParameterOptions, ParameterRange};
-use bracketry::lie::{AnalysisOptions, identifiability, parameter_cases, parameter_map};
+use bracketry::lie::{AnalysisError, AnalysisOptions, identifiability, parameter_cases, parameter_map};
 use bracketry::report::analysis as report;
 use bracketry::report::identifiability::{identifiability_json, identifiability_text};
 use bracketry::report::parameters::{
@@ -19,6 +19,7 @@ use super::from_rest;
 use super::limits::TimeLimit;
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
+use super::style::error;
 use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
@@ -36,7 +37,7 @@ pub(crate) const EXAMPLES: [(&str, &str); 8] = [
         "bracketry analyze model.toml --identifiability --known-initial x1=0",
     ),
     (
-        "Which rest states are reached under dry friction",
+        "Rest states that are reachable under dry friction",
         "bracketry analyze models/shaken_table.toml --from-rest --bounds \"der(X,2)=-4..4\"",
     ),
     ("Write report, affine model, and figures to a folder", "bracketry analyze models/cart_pole.toml --out out"),
@@ -61,27 +62,27 @@ pub(crate) struct AnalyzeArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Point for local statements instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
+    /// Point for local statements instead of the model's, such as x=0.1,th=pi/2; unnamed states and inputs are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
     /// Bracket to print, such as "[g1,[f,g1]]"; f is the drift, and g1, g2, … or the names of the inputs are the input fields;
     /// may be repeated
     #[arg(long = "bracket", value_name = "BRACKET")]
     brackets: Vec<String>,
-    /// Function of states and parameters: do the outputs determine it while the parameters are unknown? May be
+    /// Function of states and parameters to test: do the outputs determine it if the parameters are unknown? May be
     /// repeated
     #[arg(long, value_name = "EXPR")]
     determines: Vec<String>,
     #[command(flatten)]
     pub(crate) time_limit: TimeLimit,
-    /// Which rest states inputs within bounds reach from the rest state at the point, under dry friction
+    /// Report which rest states bounded inputs can reach, under dry friction, from the rest state at the point
     #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability"])]
     from_rest: bool,
     /// Bounds of inputs, of their derivatives, and of states, such as "der(X,2)=-4..4,theta=-0.2..0.2", for --from-rest;
-    /// beside the ranges of the model
+    /// in addition to the ranges of the model
     #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true, requires = "from_rest")]
     bounds: Option<String>,
-    /// Parameters whose values are left open, or "symbolic" for all: at which of their values do the verdicts change?
+    /// Treat these parameters as symbolic ("symbolic": all) and list the values at which verdicts change
     #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
     /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; with --from-rest over two bounds, such as
@@ -158,7 +159,15 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result
         ..AnalysisOptions::default()
     };
     let progress = spinner("brackets and ranks");
-    let analysis = bracketry::analyze(&system, &options).with_context(|| args.model.display().to_string())?;
+    let analysis = match bracketry::analyze(&system, &options) {
+        // What the inputs reach is undecided.
+        Err(AnalysisError::Affine(why)) => {
+            progress.finish_and_clear();
+            error(&format!("{}: {why}", args.model.display()));
+            return Ok(Outcome::Negative);
+        }
+        found => found.with_context(|| args.model.display().to_string())?,
+    };
     progress.finish_and_clear();
     if let Some(dir) = &output.out {
         save(&analysis, dir)?;

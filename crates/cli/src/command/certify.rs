@@ -15,12 +15,12 @@ use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
-    ("All certificates at the model's point", "bracketry certify models/duffing.toml"),
+    ("A region of attraction of the model's point", "bracketry certify models/duffing.toml --find region --out out"),
     (
         "The region of attraction of a closed loop, drawn",
         "bracketry certify cart.toml --with u=-2*x-3*v --find region --out out",
     ),
-    ("Check a certificate from a file", "bracketry certify models/duffing.toml --check out/certificate_lyapunov.json"),
+    ("Check a certificate from a file", "bracketry certify models/duffing.toml --check out/certificate_region.json"),
 ];
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -43,13 +43,13 @@ pub(crate) struct CertifyArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Equilibrium instead of the model's point, such as x=1/2,u=-1; unnamed entries are 0
+    /// Equilibrium instead of the model's point, such as x=1/2,u=-1; unnamed states and inputs are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
     /// Feedback that sets an input, such as u=-x-2*v; may be repeated
     #[arg(long = "with", value_name = "INPUT=EXPRESSION")]
     with: Vec<String>,
-    /// What to find
+    /// What to find; several, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]
     find: Vec<Sought>,
     /// Largest degree of the functions

@@ -1,4 +1,4 @@
-//! `bracketry analyze --from-rest`: which rest states inputs within bounds reach.
+//! `bracketry analyze --from-rest`: which rest states bounded inputs reach.
 
 use std::path::Path;
 use std::time::Duration;

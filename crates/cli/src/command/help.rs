@@ -20,9 +20,28 @@ pub(crate) fn examples(list: &[(&str, &str)]) -> StyledStr {
     for (k, (what, command)) in list.iter().enumerate() {
         let gap = if k == 0 { "" } else { "\n" };
         let literal = STYLES.get_literal();
-        let _ = write!(text, "{gap}\n  {what}:\n    {literal}{command}{literal:#}");
+        let _ = write!(text, "{gap}\n  {what}:\n    {literal}{}{literal:#}", on_lines(command));
     }
     text.into()
+}
+
+/// Columns of a command that a terminal of 80 columns shows without wrapping it.
+const EXAMPLE_COLUMNS: usize = 76;
+
+/// A command in lines that no terminal wraps, broken before options with a backslash, as a shell reads it.
+fn on_lines(command: &str) -> String {
+    let mut lines = vec![String::new()];
+    for (k, part) in command.split(" --").enumerate() {
+        let part = if k == 0 { part.to_owned() } else { format!(" --{part}") };
+        let last = lines.len() - 1;
+        // Two columns for the backslash.
+        if k > 0 && lines[last].len() + part.len() + 2 > EXAMPLE_COLUMNS {
+            lines.push(format!(" {part}"));
+        } else {
+            lines[last] += &part;
+        }
+    }
+    lines.join(" \\\n    ")
 }
 
 /// [`examples`], then sections of a heading and lines.
@@ -54,3 +73,20 @@ pub(crate) const UNITS: (&str, &str) = (
     "Units",
     "Time is in seconds. All other quantities are in the units of the model file (SI and radians in the models shipped).",
 );
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_example_is_broken_before_options_where_it_is_long() {
+        assert_eq!(on_lines("bracketry new mass --out out"), "bracketry new mass --out out");
+        let long = "bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out";
+        let lines = on_lines(long);
+        assert!(lines.lines().count() == 2 && lines.lines().all(|line| line.len() <= EXAMPLE_COLUMNS + 4), "{lines}");
+        assert_eq!(
+            lines.replace('\\', "").split_whitespace().collect::<Vec<_>>(),
+            long.split_whitespace().collect::<Vec<_>>()
+        );
+    }
+}

@@ -41,7 +41,6 @@ use stiffness::StiffnessCommand;
 #[derive(Parser)]
 #[command(
     name = "bracketry", version, about, max_term_width = 100, styles = help::STYLES,
-    after_help = examples(&FIRST_STEPS),
     after_long_help = guide(&FIRST_STEPS, &[EXIT_CODES, UNITS, (
         "Color",
         "On terminals only; NO_COLOR=1 turns it off, and CLICOLOR_FORCE=1 turns it on.",
@@ -63,6 +62,9 @@ const FIRST_STEPS: [(&str, &str); 6] = [
     ("Diagnose it from measured data", "bracketry diagnose mass.toml run.csv --hold linear --out out"),
 ];
 
+/// What the time limit ends in the search for an operating point.
+const NO_MORE_STARTS: &str = "Start no further searches after this many seconds";
+
 /// In the order in which they are used, which is that of the help.
 #[derive(Subcommand)]
 enum Command {
@@ -71,8 +73,8 @@ enum Command {
         ("What it does",
             "Analyzes the published model of a plate that moves an object without grasping it. Closes the loop twice with \
              this model: on its own equations, and on a plant with contact over the whole footprint (a simulation). Diagnoses \
-             the logs, and controls the plant with the extended model. Takes half a minute on two cores. Results are written \
-             to out/demo, or to --out, as each chapter ends. The folder is reserved for this command."),
+             the logs, and controls the plant with the extended model. Takes about 40 s on two cores. Results are written \
+             to out/demo, or to --out, at the end of each chapter. The folder must be empty, new, or written by an earlier demo."),
         ("Exit codes", "0  the extended model reaches the target, and the published one does not\n\
              1  any other outcome; see the report\n2  bad input"),
     ]))]
@@ -86,23 +88,23 @@ enum Command {
         "0  decided: every generic dimension, the requests of --at, --bracket, and --determines, and which states \
          and parameters the outputs determine; with --parameters or --map, the list of cases is proven \
          complete; with --identifiability, local and global identifiability of all parameters are known\n\
-         1  one of these is undecided; the report says which and why (other quantities may be unknown)\n2  bad input",
+         1  one of these is undecided, or no affine form was found; the report says which and why (other quantities may be unknown)\n2  bad input",
     )]))]
     Analyze(analyze::AnalyzeArgs),
     /// Write the model in a form that is affine in its inputs
     #[command(after_help = examples(&affinize::EXAMPLES), after_long_help = guide(&affinize::EXAMPLES, &[(
-        "Exit codes", "0  written\n2  bad input, or no affine form was found; the message gives the reason",
-    )]))]
+        "Exit codes", "0  written\n1  no affine form was found; the message gives the reason\n2  bad input",
+    )]), mut_arg("limit", |a| a.help("After this many seconds, expressions may not be simplified")))]
     Affinize(affinize::AffinizeArgs),
     /// Find an equilibrium or operating point, with fixed and free variables
     #[command(after_help = examples(&operating_point::TRIM_EXAMPLES), after_long_help = guide(&operating_point::TRIM_EXAMPLES, &[(
         "Exit codes", "0  found, with inputs within their ranges\n1  not found, or found only with inputs outside their ranges; the report gives the best point\n2  bad input",
-    )]))]
+    )]), mut_arg("limit", |a| a.help(NO_MORE_STARTS)))]
     Trim(operating_point::TrimArgs),
-    /// Linear system around a point: A, B, C, D, poles, zeros, margins, and gains
+    /// Linear system around a point: A, B, C, D, poles, zeros, distances to uncontrollability and unobservability, and gains
     #[command(after_help = examples(&operating_point::LINEARIZE_EXAMPLES), after_long_help = guide(&operating_point::LINEARIZE_EXAMPLES, &[(
         "Exit codes", "0  linearized\n1  the equations are not smooth at the point, or no operating point was found\n2  bad input",
-    )]))]
+    )]), mut_arg("limit", |a| a.help(NO_MORE_STARTS)))]
     Linearize(operating_point::LinearizeArgs),
     /// Lyapunov functions, regions of attraction, storage functions, and conserved quantities, proved in exact arithmetic
     #[command(after_help = examples(&certify::EXAMPLES), after_long_help = guide(&certify::EXAMPLES, &[(
@@ -112,6 +114,8 @@ enum Command {
     /// Transform the model to a normal form or decomposition, with the change of coordinates and its inverse
     #[command(after_help = examples(&transform::EXAMPLES), after_long_help = guide(&transform::EXAMPLES, &[(
         "Exit codes", "0  found, and confirmed by transforming back\n1  no such form exists, or none was found; the report gives the reason\n2  bad input",
+    ), (
+        "Files", "--out DIR writes the report, the transformed model, and its parts; --out FILE.toml writes the transformed model only",
     )]))]
     Transform(transform::TransformArgs),
     /// Write the equations with their Jacobians as source code: C, Rust, Python, CasADi, Julia
@@ -122,7 +126,7 @@ enum Command {
         ("Exit codes", "0  the simulated motion ends within 1e-6 of the target in every state, with inputs within their ranges\n\
          1  only a first guess, or nothing, was found; the report gives the reason\n2  bad input"),
         UNITS,
-    ]))]
+    ]), mut_arg("limit", |a| a.help("Try no further plans after this many seconds")))]
     Steer(steer::SteerArgs),
     /// Integrate a model with exact stick–slip friction
     #[command(after_help = examples(&simulate::EXAMPLES), after_long_help = guide(&simulate::EXAMPLES, &[
@@ -136,7 +140,7 @@ enum Command {
         UNITS,
     ]))]
     Control(control::ControlArgs),
-    /// Find the errors of a model from measured data: cause, extended model, gain
+    /// Find what a model lacks from measured data: causes, extended model, improvement
     #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
         ("Exit codes",
             "0  a cause is named, or nothing is wrong\n\
@@ -148,8 +152,8 @@ enum Command {
     #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
         ("Exit codes",
             "0  the target is reached\n\
-             1  it is not reached, the run ended early, or the comparison with a log is undecided; if the noise \
-             decides a sign of the amplitude, only the time before that counts\n2  bad input; the message gives the location and the \
+             1  it is not reached, the run ended early, or the comparison with a log is undecided; if noise \
+             leaves a sign of the amplitude undecided, only the comparison before that time counts\n2  bad input; the message gives the location and the \
              remedy"),
         ("Units", "SI and radians; ω in units of π"),
     ]))]
@@ -157,7 +161,7 @@ enum Command {
     /// Stiffness of a robot: identify it from measurements and compensate for the deformation
     #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
     Stiffness(StiffnessCommand),
-    /// Print the script that completes commands and options in a shell
+    /// Print a shell completion script
     #[command(after_help = examples(&shell::COMPLETION_EXAMPLES))]
     Completions(shell::CompletionsArgs),
     /// Manual pages: print one, or write all of them into a folder with --out
@@ -231,7 +235,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
     let files = cli.command.as_ref().map(Command::files).unwrap_or_default();
     let result = match cli.command {
         None => {
-            Cli::command().print_help()?;
+            Cli::command().print_long_help()?;
             Ok(Outcome::Done)
         }
         Some(Command::Demo(args)) => demo::run(&args, &output),

@@ -22,7 +22,7 @@ pub(crate) enum Template {
     Spring,
     /// A carriage on a rail with dry friction, simulated exactly
     Friction,
-    /// A pendulum with a weak motor that has to swing it up
+    /// A pendulum to be swung up by a weak motor
     Pendulum,
     /// A vehicle that cannot move sideways: two inputs, no drift term
     Vehicle,

@@ -23,7 +23,10 @@ pub(crate) const TRIM_EXAMPLES: [(&str, &str); 2] = [
 
 /// Shown by the help of `linearize`.
 pub(crate) const LINEARIZE_EXAMPLES: [(&str, &str); 2] = [
-    ("A, B, C, D, poles, zeros, margins, and gains", "bracketry linearize models/cart_pole.toml"),
+    (
+        "A, B, C, D, poles, zeros, distances to uncontrollability, and gains",
+        "bracketry linearize models/cart_pole.toml",
+    ),
     ("Files for python-control, MATLAB, and Julia", "bracketry linearize models/cart_pole.toml --out out"),
 ];
 
@@ -33,7 +36,7 @@ pub(crate) struct PointArgs {
     /// Value of a state or input, such as th=pi/2; comma-separated; may be repeated
     #[arg(long = "fix", value_name = "NAME=VALUE,…")]
     fixed: Vec<String>,
-    /// Input to search for; other inputs stay at the model's point; may be repeated
+    /// Input to solve for; the other inputs keep their values at the model's point; may be repeated
     #[arg(long = "free", value_name = "NAME")]
     free: Vec<String>,
     /// State whose derivative need not vanish, such as a position at constant speed; may be repeated
@@ -120,7 +123,7 @@ pub(crate) struct LinearizeArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Point instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
+    /// Point instead of the model's, such as x=0.1,th=pi/2; unnamed states and inputs are 0
     #[arg(long, value_name = "NAME=VALUE,…", conflicts_with_all = ["fixed", "free", "moving", "trim"])]
     at: Option<String>,
     /// Linearize at the operating point that `trim` finds; implied by --fix, --free, and --moving

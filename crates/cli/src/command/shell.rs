@@ -12,8 +12,14 @@ use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
 pub(crate) const COMPLETION_EXAMPLES: [(&str, &str); 3] = [
-    ("bash", "bracketry completions bash > ~/.local/share/bash-completion/completions/bracketry"),
-    ("zsh", "bracketry completions zsh > ~/.zfunc/_bracketry   # with fpath+=~/.zfunc before compinit"),
+    (
+        "bash (create the folder first)",
+        "bracketry completions bash > ~/.local/share/bash-completion/completions/bracketry",
+    ),
+    (
+        "zsh (create ~/.zfunc first, and put fpath+=~/.zfunc before compinit)",
+        "bracketry completions zsh > ~/.zfunc/_bracketry",
+    ),
     ("fish", "bracketry completions fish > ~/.config/fish/completions/bracketry.fish"),
 ];
 
@@ -88,8 +94,12 @@ fn no_json(output: &CommonArgs, why: &str) -> anyhow::Result<()> {
 }
 
 fn page(command: &clap::Command, name: &str) -> anyhow::Result<String> {
+    let mut command = command.clone().version(env!("CARGO_PKG_VERSION"));
+    let usage = command.render_usage().to_string();
+    let command = command.override_usage(usage.trim_start_matches("Usage: ").to_owned());
+    let source = concat!("bracketry ", env!("CARGO_PKG_VERSION"));
     let mut text = Vec::new();
-    Man::new(command.clone().version(env!("CARGO_PKG_VERSION"))).title(name).render(&mut text)?;
+    Man::new(command).title(name).source(source).render(&mut text)?;
     Ok(String::from_utf8(text)?)
 }
 

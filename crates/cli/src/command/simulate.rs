@@ -52,7 +52,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_enum, default_value = "previous")]
     hold: HoldArg,
     /// Also write measured.csv: inputs, and outputs or states with Gaussian noise of these standard deviations, as a record
-    /// for `diagnose`
+    /// for `diagnose`; requires --out
     #[arg(long, value_name = "NAME=STD,…", value_delimiter = ',', value_parser = sensor, requires = "out")]
     noise: Vec<(String, f64)>,
     /// Seed of the noise

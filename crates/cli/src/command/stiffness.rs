@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::report::stiffness::{figures, json as object, markdown, text};
 use bracketry::stiffness::{
-    ChosenPoses, CompensatedLog, Identification, Outliers, RobotFile, RobotLog, TWIST_COLUMNS, WRENCH_COLUMNS,
-    Weighing, with_springs,
+    ChosenPoses, CompensatedLog, Identification, Outliers, PayloadError, RobotFile, RobotLog, StiffnessRunError,
+    TWIST_COLUMNS, WRENCH_COLUMNS, Weighing, with_springs,
 };
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
 use super::file_kind::{FileKind, Given};
-use super::help::{EXIT_CODES, guide};
+use super::help::guide;
 use super::output::{csv, figure, folder, json, line, print, write};
 use super::progress::spinner;
-use super::style::warning;
+use super::style::{error, warning};
 use super::{CommonArgs, Outcome};
 
 /// Shown by the help.
@@ -24,6 +24,21 @@ pub(crate) const EXAMPLES: [(&str, &str); 2] = [
     ("Corrected references along a log", "bracketry stiffness compensate log.csv models/kr125.toml --out out"),
 ];
 
+const IDENTIFY_CODES: (&str, &str) =
+    ("Exit codes", "0  identified\n1  the data determine neither joint springs nor a compliance\n2  bad input");
+const POSES_CODES: (&str, &str) = (
+    "Exit codes",
+    "0  chosen\n1  chosen, but the measurements would not identify all stiffnesses\n2  bad input, or fewer rows than --count",
+);
+const WEIGH_CODES: (&str, &str) = (
+    "Exit codes",
+    "0  identified\n1  the readings do not separate the quantities, or show no payload; the message gives the reason\n2  bad input",
+);
+const COMPENSATE_CODES: (&str, &str) = (
+    "Exit codes",
+    "0  compensated\n1  no sample could be used, or the loop with --process-stiffness is not shown to be stable\n2  bad input",
+);
+
 /// Commands of `stiffness`. All take a table and the robot file, in either order.
 #[derive(Subcommand)]
 pub(crate) enum StiffnessCommand {
@@ -31,7 +46,7 @@ pub(crate) enum StiffnessCommand {
     #[command(after_help = guide(
         &[("Write the completed robot file and figures to a folder", "bracketry stiffness identify data.csv models/kr125.toml --out out")],
         &[("Table", "Columns q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes), and \
-            dx, dy, dz, rx, ry, rz (m, rad, base axes)."), EXIT_CODES],
+            dx, dy, dz, rx, ry, rz (m, rad, base axes)."), IDENTIFY_CODES],
     ))]
     Identify {
         #[command(flatten)]
@@ -44,7 +59,7 @@ pub(crate) enum StiffnessCommand {
     #[command(after_help = guide(
         &[("Choose twenty", "bracketry stiffness poses candidates.csv models/kr125.toml --count 20 --out out")],
         &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes): \
-            poses that the robot can reach, with loads that can be applied there."), EXIT_CODES],
+            poses that the robot can reach, with loads that can be applied there."), POSES_CODES],
     ))]
     Poses {
         #[command(flatten)]
@@ -56,7 +71,7 @@ pub(crate) enum StiffnessCommand {
     /// Identify the payload on the force sensor and the bias of the sensor from readings at rest
     #[command(after_help = guide(
         &[("From readings", "bracketry stiffness weigh readings.csv models/kr125.toml")],
-        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor). The payload touches nothing. Three or more orientations are needed, tilted about two axes."), EXIT_CODES],
+        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor). The payload touches nothing. Three or more orientations are needed, tilted about two axes."), WEIGH_CODES],
     ))]
     Weigh {
         #[command(flatten)]
@@ -69,7 +84,7 @@ pub(crate) enum StiffnessCommand {
             ("With a process stiffness of 50 N/mm", "bracketry stiffness compensate log.csv models/kr125.toml --process-stiffness 5e4"),
         ],
         &[("Log", "Columns t, q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), and r1 … rn \
-            where references differ from what was measured."), EXIT_CODES],
+            where references differ from what was measured."), COMPENSATE_CODES],
     ))]
     Compensate {
         #[command(flatten)]
@@ -219,7 +234,13 @@ fn poses(candidates: &Path, robot: &Path, count: usize, output: &CommonArgs) -> 
 }
 
 fn weigh(readings: &Path, robot: &Path, output: &CommonArgs) -> anyhow::Result<Outcome> {
-    let found = Weighing::new(&RobotFile::read(robot)?, readings)?;
+    let found = match Weighing::new(&RobotFile::read(robot)?, readings) {
+        Err(StiffnessRunError::Weighing { file, why }) if undetermined(&why) => {
+            error(&format!("{file}: {why}"));
+            return Ok(Outcome::Negative);
+        }
+        found => found?,
+    };
     if let Some(dir) = &output.out {
         folder(dir)?;
         write(&dir.join("weighing.json"), &json(&object::weighing(&found))?)?;
@@ -228,6 +249,14 @@ fn weigh(readings: &Path, robot: &Path, output: &CommonArgs) -> anyhow::Result<O
     }
     report(&text::weighing(&found), &object::weighing(&found), output, "the table [payload]")?;
     Ok(Outcome::Done)
+}
+
+/// Whether readings that make sense do not determine the payload.
+fn undetermined(why: &PayloadError) -> bool {
+    matches!(
+        why,
+        PayloadError::OneOrientation { .. } | PayloadError::OneDirection { .. } | PayloadError::NoWeight { .. }
+    )
 }
 
 /// Prints a report, and what `--out` has written or would write.
@@ -256,7 +285,7 @@ fn compensate(log: &Path, robot: &Path, process: Option<[f64; 3]>, output: &Comm
     progress.finish_and_clear();
     let files = "the corrected references and a figure";
     report(&text::compensated_log(&run), &object::compensated_log(&run), output, files)?;
-    // A log of which nothing could be used answers nothing; a loop that is not stable is none to run.
+    // A log of which nothing could be used answers nothing; a loop that may be unstable is none to run.
     let unstable = run.loop_gain.is_some_and(|gain| !gain.holds());
     Ok(if run.held() == run.samples || unstable { Outcome::Negative } else { Outcome::Done })
 }

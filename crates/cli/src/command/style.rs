@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::help::STYLES;
 
-/// Says that a command ended with bad input.
+/// Says why a command ended without a result.
 pub(crate) fn error(text: &str) {
     let red = STYLES.get_error();
     anstream::eprintln!("{red}error:{red:#} {}", colored(text));

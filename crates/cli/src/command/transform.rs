@@ -33,12 +33,12 @@ pub(crate) struct TransformArgs {
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
     /// Form: brunovsky (chains of integrators by static feedback), byrnes-isidori (outputs with their derivatives, internal
-    /// states, zero dynamics), kalman (controllable and observable parts), accessible (what no input influences), observable
-    /// (what no output shows), observer (linear up to functions of the output), flat (states and inputs from flat outputs),
+    /// states, zero dynamics), kalman (controllable and observable parts), accessible (what no input influences, separated
+    /// from the rest), observable (what the outputs determine, separated from the rest), observer (linear up to functions of the output), flat (states and inputs from flat outputs),
     /// chained (two inputs without drift)
     #[arg(long, value_name = "FORM")]
     to: Form,
-    /// Point near which branches are chosen, instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
+    /// Point near which branches are chosen, instead of the model's, such as x=0.1,th=pi/2; unnamed states and inputs are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
     /// Output for the form; by default all outputs of the model; may be repeated

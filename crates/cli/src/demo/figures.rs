@@ -222,7 +222,7 @@ impl Story {
         let third = on_plant(
             &self.as_published,
             "as_published",
-            "The published model in control of the true plant",
+            "Control of the true plant with the published model",
             Role::Given,
         );
         let mut fourth = self.diagnosis.figures();
@@ -230,7 +230,7 @@ impl Story {
             f.name = format!("diagnosis_{}", f.name);
         }
         let mut sixth = self.extended.as_ref().map_or_else(Vec::new, |moved| {
-            on_plant(moved, "extended", "The extended model in control of the true plant", Role::Extended)
+            on_plant(moved, "extended", "Control of the true plant with the extended model", Role::Extended)
         });
         if let Some(extended) = &self.extended {
             sixth.push(figure(

@@ -39,12 +39,12 @@ pub struct MoveOnPlant {
     /// How contact ended before the end of the closed loop, if it did; the states end there.
     #[serde(serialize_with = "in_words")]
     pub stopped: Option<AreaOutcome>,
-    /// The same of the plan alone.
+    /// The same in open loop.
     #[serde(serialize_with = "in_words")]
     pub plan_stopped: Option<AreaOutcome>,
     /// What the closed loop achieved.
     pub arrival: Arrival,
-    /// What the plan alone achieved.
+    /// What the plan achieved in open loop.
     pub plan_arrival: Arrival,
 }
 

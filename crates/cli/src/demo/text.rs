@@ -24,7 +24,7 @@ pub(super) const SECOND: &str = "2. Position and orientation together, on the pu
 pub(super) const THIRD: &str = "3. The same controller on the true plant\n";
 pub(super) const FOURTH: &str = "4. What the published model gets wrong\n";
 pub(super) const FIFTH: &str = "5. What the extended model changes in what the inputs reach\n";
-pub(super) const SIXTH: &str = "6. The extended model in control of the true plant\n";
+pub(super) const SIXTH: &str = "6. Control of the true plant with the extended model\n";
 
 impl fmt::Display for MoveOnEquations {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -53,7 +53,11 @@ impl fmt::Display for MoveOnEquations {
         writeln!(f)?;
         for s in &self.two.stages {
             let verdict = if s.met { "met" } else { "not met" };
-            writeln!(f, "  two steps: experiment {} from {:.2} s to {:.2} s, target {verdict}", s.name, s.from, s.to)?;
+            writeln!(
+                f,
+                "  two steps: experiment {} from {:.2} s to {:.2} s, target of this stage {verdict}",
+                s.name, s.from, s.to
+            )?;
         }
         if self.two.remaining_spin.abs() > 2f64.to_radians() {
             writeln!(
@@ -69,12 +73,7 @@ impl fmt::Display for MoveOnEquations {
         )?;
         let [linearize, qp, rest] = self.step_split();
         let (t, c) = (&report.solve_ms, &report.status);
-        writeln!(
-            f,
-            "\n  bounds between samples: stroke exceeded by {:.3} mm, tilt by {:.4}° at most",
-            1e3 * a.stroke_excess_m,
-            a.tilt_excess_deg
-        )?;
+        writeln!(f, "\n  bounds between samples: {}", bounds_kept(1e3 * a.stroke_excess_m, a.tilt_excess_deg))?;
         writeln!(
             f,
             "  control step: median {:.2} ms, 99 % below {:.2} ms, sampling period {:.0} ms; {:.1} × real time\n  \
@@ -99,7 +98,7 @@ impl fmt::Display for MoveOnPlant {
             "Final errors with predictions by the {}, on the plant with contact over the whole footprint:\n",
             self.model
         )?;
-        writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "plan alone")?;
+        writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "open loop")?;
         let (a, p) = (&self.arrival, &self.plan_arrival);
         let mut row = |what: &str, closed: f64, alone: f64, unit: &str| {
             writeln!(f, "  {what:<16} {:>16} {:>16}", format!("{closed:+.2} {unit}"), format!("{alone:+.2} {unit}"))
@@ -130,7 +129,7 @@ impl fmt::Display for MoveOnPlant {
             1e3 * self.problem.conditions.noise[0],
             self.problem.conditions.noise[2].to_degrees()
         )?;
-        for (what, stopped) in [("closed loop", &self.stopped), ("plan alone", &self.plan_stopped)] {
+        for (what, stopped) in [("closed loop", &self.stopped), ("open loop", &self.plan_stopped)] {
             if let Some(reason) = stopped.as_ref().map(ended) {
                 writeln!(f, "  The {what} ends early: {reason}. Its errors are those at that time.")?;
             }
@@ -151,6 +150,27 @@ fn duration(shortest: Option<f64>, duration: f64) -> String {
             "The shortest plan that arrives takes {shortest:.2} s. The move takes {duration:.2} s, which leaves a reserve for feedback."
         ),
         None => format!("No shorter plan arrives. The move takes {duration:.2} s."),
+    }
+}
+
+/// Names as a list in a sentence, in alphabetical order.
+fn all_of(names: &[&str]) -> String {
+    let mut names = names.to_vec();
+    names.sort_unstable();
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, [first])) => format!("{first} and {last}"),
+        Some((last, rest)) => format!("{}, and {last}", rest.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// Whether stroke and tilt stay within their bounds between samples, to the digits that are printed.
+fn bounds_kept(stroke_mm: f64, tilt_deg: f64) -> String {
+    if stroke_mm < 5e-4 && tilt_deg < 5e-5 {
+        "all kept".to_owned()
+    } else {
+        format!("largest violation: stroke {stroke_mm:.3} mm, tilt {tilt_deg:.4}°")
     }
 }
 
@@ -213,14 +233,15 @@ impl Story {
     pub(super) fn title(&self) -> &'static str {
         match (self.as_published.reached(), &self.extended) {
             (false, Some(moved)) if moved.reached() => {
-                "The vibrating plate: from published equations that miss the plant to a controller that reaches its target"
+                "The vibrating plate: from published equations that do not match the plant to a controller that reaches \
+                 its target"
             }
             (true, _) => "The vibrating plate: the published equations reach the target on the plant too",
             (false, Some(_)) => {
                 "The vibrating plate: neither the published nor the extended equations reach the target"
             }
             (false, None) => {
-                "The vibrating plate: the published equations miss the plant, and the diagnosis names no cause"
+                "The vibrating plate: the published equations do not match the plant, and the diagnosis names no cause"
             }
         }
     }
@@ -228,9 +249,10 @@ impl Story {
     /// The outcome in two sentences.
     pub(super) fn verdict(&self) -> String {
         let first = if self.as_published.reached() {
-            "The controller of the published model reaches its target on the true plant too."
+            "The controller based on the published model reaches its target on the true plant too."
         } else {
-            "The controller of the published model reaches its target on its own equations and misses it on the true plant."
+            "The controller based on the published model reaches its target on the model's own equations but misses it on the \
+             true plant."
         };
         let (unnamed, named): (Vec<&NamedCause>, Vec<_>) =
             self.diagnosis.report.causes.iter().partition(|c| c.name == Cause::UnknownTerm);
@@ -244,8 +266,7 @@ impl Story {
                 None => equations.push((name, vec![&c.equation])),
             }
         }
-        let mut causes: Vec<String> =
-            equations.iter().map(|(name, of)| format!("{name} in {}", of.join(" and "))).collect();
+        let mut causes: Vec<String> = equations.iter().map(|(name, of)| format!("{name} in {}", all_of(of))).collect();
         if causes.is_empty() {
             causes.push("no cause".to_owned());
         }
@@ -257,7 +278,7 @@ impl Story {
             Some(moved) => {
                 let reached = if moved.reached() { "reaches it" } else { "misses it as well" };
                 format!(
-                    "The diagnosis names these causes: {}{unnamed}. The model extended by them {reached}.",
+                    "The diagnosis names these causes: {}{unnamed}. With the model extended by these terms, the controller {reached}.",
                     causes.join("; ")
                 )
             }

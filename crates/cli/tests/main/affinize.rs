@@ -51,3 +51,15 @@ fn a_new_input_is_told_with_its_range() {
     assert!(stdout(&["affinize", &path]).contains("# new input v1 = u^2, limited to v1 ≥ 0\n"));
     assert!(stdout(&["analyze", &path]).contains("  new input v1 = u^2, limited to v1 ≥ 0\n"));
 }
+
+#[test]
+fn without_an_affine_form_the_exit_code_is_1() {
+    let inputs: Vec<String> = (1..=17).map(|k| format!("u{k}")).collect();
+    let text = format!("states = ['x']\ninputs = {inputs:?}\n[dynamics]\nx = '{}'\n", inputs.join("*"));
+    let model = file(&scratch("affinize_none"), "many.toml", &text);
+    for command in ["affinize", "analyze"] {
+        let o = bracketry(&[command, &model]);
+        let message = String::from_utf8_lossy(&o.stderr);
+        assert!(code(&o) == 1 && o.stdout.is_empty() && message.contains("17 inputs multiply each other"), "{message}");
+    }
+}

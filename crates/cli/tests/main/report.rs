@@ -222,7 +222,7 @@ fn the_pictures_name_the_brackets_and_what_is_never_reached() {
     let dir = scratch("pictures");
     stdout(&["analyze", &model("plate_published.toml"), "--out", dir.to_str().unwrap()]);
     let growth = fs::read_to_string(dir.join("growth.svg")).unwrap();
-    for part in ["[f,g1]", "[f,[f,g2]]", "not reached", "all modes together", "length of the bracket"] {
+    for part in ["[f,g1]", "[f,[f,g2]]", "not reached", "all modes together", "bracket length"] {
         assert!(growth.contains(part), "{part}");
     }
     let reach = fs::read_to_string(dir.join("reach.svg")).unwrap();

@@ -203,7 +203,7 @@ impl fmt::Display for Audit {
                     write!(f, "by a spline through the samples")?;
                 }
                 (_, _, Some(bandwidth)) => write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} Hz")?,
-                (_, Some(true), _) => write!(f, "input, straight lines between samples")?,
+                (_, Some(true), _) => write!(f, "input, linear interpolation between samples")?,
                 _ => write!(f, "input, held between samples")?,
             }
             if let Some(q) = c.resolution {

@@ -32,6 +32,7 @@ use crate::modes::{ModeFields, mode_fields};
 use crate::observability::report::{read_functions, report};
 use crate::options::AnalysisOptions;
 use crate::reason::Reason;
+use crate::regular::regular_at;
 use crate::undecided::Undecided;
 
 /// Analyzes a system that is affine in its inputs (see `System::affinize`).
@@ -181,8 +182,15 @@ impl Generic<'_> {
         evidence: &mut Evidence,
     ) -> Result<Option<Answer<PointReport>>, Error> {
         let Some(point) = system.point.clone() else { return Ok(None) };
+        let regime = regime(system, &point, self.modes);
+        let is_unit_vector = |v: &Vanishing| matches!(v, Vanishing::UnitVector(_));
+        // A unit vector that vanishes has no value, but many.
+        let many = matches!(&regime, Ok(Regime::Switching(vanishing)) if vanishing.iter().any(is_unit_vector));
+        if !many && let Err(why) = regular_at(system, &point) {
+            return Ok(Some(Answer::Unknown(why.into())));
+        }
         let names = system.input_names();
-        Ok(Some(match (regime(system, &point, self.modes), smoothed) {
+        Ok(Some(match (regime, smoothed) {
             (Ok(Regime::Mode(mode)), _) => {
                 let (pool, fields) = (&mut system.pool, &self.modes[mode].fields);
                 let mut report = point_report(pool, fields, &names, &self.reach[mode], &point, options, evidence);
@@ -193,7 +201,7 @@ impl Generic<'_> {
                 report.into()
             }
             (Ok(Regime::Switching(vanishing)), of_smoothed) => {
-                let unit_vector = vanishing.iter().any(|v| matches!(v, Vanishing::UnitVector(_)));
+                let unit_vector = vanishing.iter().any(is_unit_vector);
                 let report = match of_smoothed {
                     Some(s) => s.at_point(&names, options, vanishing, evidence),
                     // Smooth but where a unit vector vanishes, as it does here.

@@ -1,16 +1,21 @@
 //! What a statement on the affine form says of the original.
 
+use std::cmp::Ordering;
+
 use bracketry_symbolic::{Bindings, Expr, Function, Rational, Symbol};
 use bracketry_system::{Affinization, AtPoint, InputRange, Method, NewInput, Range, System};
 
 use crate::analysis::report::Report;
 use crate::answer::Answer;
 use crate::controllability::input_values::{InputValues, Side};
-use crate::controllability::stlc::{Stlc, Verdict};
+use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::feedback::flatness_report::{FlatnessReport, FlatnessVerdict};
 use crate::feedback::ruled::{GeneralSystem, not_ruled};
 use crate::options::AnalysisOptions;
 use crate::reason::{FlatnessReason, Reason, StabilizableReason, StlcReason};
+
+/// Most derivatives of a new input that are looked at.
+const MAX_ORDER: usize = 7;
 
 /// The options with what is known of the inputs of the affine form.
 pub(crate) fn with_input_ranges(
@@ -136,13 +141,51 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
     if point.stlc.verdict == Verdict::Yes && !transfers {
         point.stlc = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
     }
+    let regular = affinization.regular_at_point == Some(true) || is_onto_nearby(affinization, original);
+    let finite = |u: &Symbol| original.input_ranges.iter().any(|r| r.input == *u && r.min.is_some() && r.max.is_some());
+    let far = affinization.input_change.iter().any(|v| v.at_point == AtPoint::Interior)
+        || point.stlc.reason.holds_elsewhere();
+    if point.stlc.verdict == Verdict::Yes && !affinization.input_change.is_empty() && !regular && far {
+        // Values of the new inputs near those at the point may take old inputs far from theirs.
+        if point.stlc.bounded.is_none() && !original.inputs.iter().all(finite) {
+            let reason = StlcReason::Withheld(why.clone());
+            point.stlc.bounded = Some(BoundedStlc { verdict: Verdict::Inconclusive, reason });
+        }
+    }
+    if !affinization.input_change.is_empty()
+        && !regular
+        && let Some(brockett @ Answer::Known(true)) = &mut point.brockett_condition
+    {
+        *brockett = Answer::Unknown(why.clone());
+    }
+    let local = |why: &StabilizableReason| {
+        !matches!(
+            why,
+            StabilizableReason::Leaves { .. } | StabilizableReason::UnstableQuotient | StabilizableReason::Conserved(_)
+        )
+    };
+    // An integrator that the model does not have keeps an input near its value at the point, from which the model lets it jump.
+    if !affinization.integrators.is_empty()
+        && original.input_derivatives.is_empty()
+        && point.stabilizable == Some(Answer::Known(false))
+        && point.stabilizable_reason.as_ref().is_some_and(local)
+    {
+        let names: Vec<String> = affinization.integrators.keys().cloned().collect();
+        point.stabilizable = Some(Answer::Unknown(Reason::InputsMayJump { inputs: names }));
+        point.stabilizable_reason = None;
+    }
     if let Some(smoothed) = point.smoothed_stlc.as_mut().filter(|s| s.verdict == Verdict::Yes && !transfer.in_ranges) {
         *smoothed = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
     }
     if transfer.feedback {
         return;
     }
-    let resting = point.stabilizable_reason == Some(StabilizableReason::Stable);
+    let resting = match &point.stabilizable_reason {
+        Some(StabilizableReason::Stable | StabilizableReason::StableByItself) => true,
+        // Values inside of the ranges, from which feedback moves the inputs to both sides.
+        Some(StabilizableReason::OtherInputs { .. }) => affinization.method == Method::None,
+        _ => false,
+    };
     if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable
         && !resting
     {
@@ -152,6 +195,30 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
     if let Some(brockett @ Answer::Known(true)) = &mut point.brockett_condition {
         *brockett = Answer::Unknown(why);
     }
+}
+
+/// Whether one new input, a function of one old input alone, takes all values near that at the point for values of the old one near its own:
+/// the first derivative that does not vanish is of odd order.
+fn is_onto_nearby(affinization: &Affinization, original: &System) -> bool {
+    let ([v], Some(point)) = (&affinization.input_change[..], &original.point) else { return false };
+    let mut pool = affinization.system.pool.clone();
+    let used: Vec<Symbol> = pool.symbols_of(&[v.function]);
+    let named = |s: &Symbol| original.inputs.iter().position(|&u| original.symbol_name(u) == pool.name(*s));
+    let [symbol] = used[..] else { return false };
+    let Some(i) = named(&symbol) else { return false };
+    let Ok(values) = pool.import(&original.pool.export(&[point.inputs[i]])) else { return false };
+    let at = std::iter::once((pool.sym(symbol), values[0])).collect();
+    let mut derivative = v.function;
+    for order in 1..=MAX_ORDER {
+        derivative = pool.diff(derivative, symbol);
+        let here = pool.substitute(derivative, &at);
+        match pool.constant_sign(here, &Bindings::new()) {
+            Some(Ordering::Equal) => {}
+            Some(_) => return order % 2 == 1,
+            None => return false,
+        }
+    }
+    false
 }
 
 /// What is known of the flatness of a model that is not affine: what holds for the affine form, if its new inputs are

@@ -13,6 +13,7 @@ use crate::controllability::open_map::open_by_second_order;
 use crate::controllability::sign::{NearOrigin, Sign};
 use crate::evidence::Evidence;
 use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::taylor::is_analytic;
 use crate::reason::Reason;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
@@ -34,6 +35,7 @@ const MAX_SIZE: usize = 6;
 /// - A derivative that lacks one dimension, in which the second derivatives take both signs: true ([`open_by_second_order`]).
 /// - Polynomial components that, of n of the variables while the others rest, have a local degree different from zero:
 ///   true ([`has_local_degree`]).
+/// - Other equilibria arbitrarily near, at which the derivative has full rank: true ([`regular_nearby`]).
 pub(crate) fn brockett_condition(
     pool: &mut Pool,
     frame: &Frame,
@@ -93,7 +95,9 @@ fn decide(
     if misses_a_direction(pool, frame, &image, &variables, &jacobian) {
         return Ok(Some(false));
     }
-    let covered = open_by_second_order(pool, frame, &image, &variables) || covers(pool, frame, &image, &variables);
+    let covered = open_by_second_order(pool, frame, &image, &variables)
+        || covers(pool, frame, &image, &variables)
+        || regular_nearby(pool, frame, &image, &variables, evidence)?;
     Ok(covered.then_some(true))
 }
 
@@ -156,4 +160,38 @@ fn covers(pool: &mut Pool, frame: &Frame, image: &[Expr], variables: &[Symbol]) 
         }
     }
     false
+}
+
+/// Whether the components vanish together where some of the variables do, and their Jacobian has full rank at almost all of these
+/// points: near each of them, and so arbitrarily near the point, the map is open.
+fn regular_nearby(
+    pool: &mut Pool,
+    frame: &Frame,
+    image: &[Expr],
+    variables: &[Symbol],
+    evidence: &mut Evidence,
+) -> Result<bool, Undecided> {
+    let (zero, bindings) = (pool.int(0), &frame.fields.bindings);
+    let origin: FxHashMap<Expr, Expr> = variables.iter().map(|&s| (pool.sym(s), zero)).collect();
+    for &e in image {
+        let e = frame.constants_in(pool, e);
+        if !is_analytic(pool, e, &origin) {
+            return Ok(false);
+        }
+    }
+    let jacobian = pool.jacobian(image, variables);
+    let sets = (1..variables.len().min(MAX_SIZE + 1)).flat_map(|size| subsets(variables.len(), size));
+    for set in sets.take(MAX_SETS) {
+        let at_rest: FxHashMap<Expr, Expr> = set.iter().map(|&i| (pool.sym(variables[i]), zero)).collect();
+        if !pool.substitute_all(image, &at_rest).into_iter().all(|e| vanishes(pool, e, bindings)) {
+            continue;
+        }
+        let rows: Vec<Vec<Expr>> = jacobian.iter().map(|row| pool.substitute_all(row, &at_rest)).collect();
+        let generic = pool.rank(&rows, bindings)?;
+        evidence.add(&generic.certificate);
+        if generic.rank == image.len() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }

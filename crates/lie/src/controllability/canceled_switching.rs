@@ -33,6 +33,8 @@ pub(crate) struct Canceled {
     transfers: Transfers,
     /// Whether that holds in all modes, so that trajectories may go far.
     far: bool,
+    /// Whether the feedback vanishes at the point, so that small inputs suffice near it, or all inputs have finite ranges.
+    small: bool,
     /// Whether the feedback is continuous and vanishes at the point.
     continuous: bool,
 }
@@ -47,8 +49,8 @@ impl Canceled {
         }
     }
 
-    /// Adds what follows to what is found.
-    pub(crate) fn conclude(&self, found: &mut Verdicts) {
+    /// Adds what follows to what is found; `stuck` says that the smallest inputs do not leave a surface.
+    pub(crate) fn conclude(&self, found: &mut Verdicts, stuck: Option<StlcReason>) {
         let stlc = &self.report.stlc;
         let canceled = |reason: &StlcReason| StlcReason::Canceled(Box::new(reason.clone()));
         let of_bounded = stlc.bounded.as_ref().map_or((stlc.verdict, &stlc.reason), |b| (b.verdict, &b.reason));
@@ -63,6 +65,13 @@ impl Canceled {
                 found.stlc = Some(match bounded.verdict {
                     Verdict::Yes => Stlc::new(Verdict::Yes, bounded.reason),
                     _ => only_bounded(bounded),
+                });
+            }
+            if let Some(yes) = found.stlc.as_mut().filter(|s| s.verdict == Verdict::Yes && !self.small) {
+                // The feedback takes inputs as large as the difference of the modes.
+                yes.bounded = Some(match stuck {
+                    Some(reason) => BoundedStlc { verdict: Verdict::No, reason },
+                    None => BoundedStlc { verdict: Verdict::Inconclusive, reason: StlcReason::Switches },
                 });
             }
         }
@@ -149,6 +158,7 @@ pub(crate) fn canceled(
             no: all_free || rests && two_sided && vanish,
         },
         far,
+        small: vanish || ranges.bounded(),
         continuous: vanish && is_continuous(pool, adjacent),
         report,
     }))

@@ -9,7 +9,7 @@ use crate::controllability::linearization::{quotient_by_reachable, rational_matr
 use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::candidates;
 use crate::controllability::region::solved;
-use crate::controllability::slow_equilibria::SlowEquilibria;
+use crate::controllability::slow_equilibria::{SLOW_DEGREE, SlowEquilibria};
 use crate::evidence::Evidence;
 use crate::feedback::center_pair::CenterPair;
 use crate::linear::polynomial::MultivariatePolynomial;
@@ -22,8 +22,8 @@ const DEGREE: [u32; 2] = [7, 5];
 const MAX_STATES: usize = 8;
 const MAX_INPUTS: usize = 3;
 
-/// Feedback that stabilizes through the critical modes: one with the eigenvalue 0, or an oscillating pair ±iω, while the others decay
-/// or are controllable.
+/// Feedback that stabilizes through the critical modes: one or several with the eigenvalue 0, or an oscillating pair ±iω, while the
+/// others decay or are controllable.
 pub(crate) fn by_critical_modes(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
     let (n, m) = (frame.fields.states.len(), frame.fields.controls.len());
     if n > MAX_STATES || m == 0 || m > MAX_INPUTS {
@@ -34,11 +34,23 @@ pub(crate) fn by_critical_modes(pool: &mut Pool, frame: &Frame) -> Option<Stabil
     let spectrum = Spectrum::of_polynomial(&rest);
     match (spectrum.on_axis, spectrum.right) {
         (1, 0) => by_slow_mode(pool, frame),
-        (2, 0) => {
-            let axis = squared_frequency(&rest)?;
+        (2, 0) if let Some(axis) = squared_frequency(&rest) => {
             let field = expanded(pool, frame, 3)?;
             let attracts = CenterPair::of(&field, m, &axis)?.attracts_by_feedback()?;
             attracts.then_some(StabilizableReason::OscillatingPair)
+        }
+        (on_axis, 0) if on_axis > 1 => {
+            let field = expanded(pool, frame, SLOW_DEGREE)?;
+            let found = SlowEquilibria::of(&field, m, SLOW_DEGREE)?;
+            (found.modes.len() == on_axis && found.attract(m)).then(|| {
+                let states = symbols(pool, &frame.fields.states);
+                let functions = found.modes.iter().map(|w| {
+                    let mode = rational_combination(pool, &states, w);
+                    let mode = pool.simplify(mode);
+                    Function::new(pool, mode)
+                });
+                StabilizableReason::CriticalModes { functions: functions.collect() }
+            })
         }
         _ => None,
     }
@@ -56,10 +68,11 @@ fn by_slow_mode(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
     let degree = DEGREE[usize::from(m > 1)];
     let field = expanded(pool, frame, degree)?;
     let found = SlowEquilibria::of(&field, m, degree)?;
-    let curves = [1, -1].map(|sign| Curve::of(&found.rate, sign, degree, &Rational::ONE));
+    let ([mode], [rate]) = (&found.modes[..], &found.rates[..]) else { return None };
+    let curves = [1, -1].map(|sign| Curve::of(rate, sign, degree, &Rational::ONE));
     let [Some(above), Some(below)] = curves else { return None };
     let states = symbols(pool, &frame.fields.states);
-    let mode = rational_combination(pool, &states, &found.mode);
+    let mode = rational_combination(pool, &states, mode);
     let mode = pool.simplify(mode);
     let function = Function::new(pool, mode);
     Some(StabilizableReason::CriticalMode { function, orders: [above.order, below.order] })

@@ -36,8 +36,12 @@ impl InputSet<'_> {
 
     /// Whether inputs with known ranges lie strictly inside of them, and the others may take both signs of any deviation.
     pub(crate) fn inside(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> bool {
-        let known = (0..self.names.len())
-            .all(|i| self.one_sided[i].is_none() && !matches!(self.values[i], Some(InputValues::Unknown)));
+        // What is said of an input at the point says nothing of it at other values.
+        let known = self.values.iter().zip(&self.one_sided).all(|(values, said)| match values {
+            Some(InputValues::Between(..)) => true,
+            Some(InputValues::Unknown) => false,
+            None => said.is_none(),
+        });
         known && self.sides(pool, frame, inputs).is_some_and(|sides| sides.iter().all(Option::is_none))
     }
 

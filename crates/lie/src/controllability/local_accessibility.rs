@@ -169,8 +169,7 @@ impl Frame {
             .iter()
             .map(|&e| {
                 let value = self.constants_in(pool, e);
-                let value = pool.simplify(value);
-                pool.number(value).cloned()
+                pool.constant_rational(value)
             })
             .collect()
     }

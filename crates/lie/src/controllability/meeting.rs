@@ -128,6 +128,13 @@ impl Ranges {
         Ranges { ends, free }
     }
 
+    /// The inputs at the point alone. What holds for them with a margin holds for inputs within small bounds around them.
+    pub(crate) fn smallest(pool: &mut Pool, given: &AtSwitchPoint, modes: &[Adjacent]) -> Option<Ranges> {
+        let values = modes.first()?.frame.numbers(pool, &given.point.inputs)?;
+        let free = vec![false; values.len()];
+        Some(Ranges { ends: values.into_iter().map(|u| (u, u)).collect(), free })
+    }
+
     pub(crate) fn bounded(&self) -> bool {
         self.ends.iter().all(|e| e.0.is_finite() && e.1.is_finite())
     }

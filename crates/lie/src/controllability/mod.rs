@@ -29,6 +29,7 @@ pub(crate) mod occurrence;
 pub(crate) mod one_sided;
 pub(crate) mod open_map;
 pub(crate) mod orbit;
+pub(crate) mod other_inputs;
 pub(crate) mod point;
 pub(crate) mod prolonged;
 pub(crate) mod region;

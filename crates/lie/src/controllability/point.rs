@@ -154,7 +154,7 @@ pub(crate) fn point_report(
         let generic = [all.dimension(), strong.dimension()];
         let (inputs, local, stlc, sides) = (&l.b[..], &local, &stlc, &sides[..]);
         let (frame, set, values) = (&frame, &set, &point.inputs[..]);
-        let at = AtEquilibrium { frame, rank, inputs, decays, generic, local, stlc, sides, set, values };
+        let at = AtEquilibrium { frame, rank, inputs, decays, generic, local, reach: all, stlc, sides, set, values };
         stabilizable(pool, &at, evidence)
     });
     let (stabilizable, stabilizable_reason) = stabilizable.unzip();

@@ -1,33 +1,42 @@
-//! States that inputs hold at rest but for one critical mode.
+//! States that inputs hold at rest but for critical modes.
 
 use bracketry_symbolic::{Echelon, Rational};
 
+use crate::feedback::lyapunov::{PolynomialField, Shown};
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::polynomial::{MultivariatePolynomial, unit};
+use crate::linear::spectrum::Spectrum;
 
-/// s' = β(s, v) at the states X(s, v) with inputs U(s, v) where F(X, U) = β e with a constant vector e: a critical mode s = w·x
-/// that the linearization of x' = F(x, u) at the origin leaves at rest, and free parameters v, one for each input.
+/// Degree up to which the rates of several modes are looked at.
+pub(crate) const SLOW_DEGREE: u32 = 3;
+
+/// s' = β(s, v) at the states X(s, v) with inputs U(s, v) where F(X, U) = Σ β_j e_j with constant vectors e_j: critical modes
+/// s_j = w_j·x that the linearization of x' = F(x, u) at the origin leaves at rest, and free parameters v, one for each input.
 pub(crate) struct SlowEquilibria {
-    /// w, with w·e = 1.
-    pub(crate) mode: Vec<Rational>,
-    /// β up to a degree; its variables are s and v.
-    pub(crate) rate: MultivariatePolynomial,
+    /// w_j, with w_j·e_i = 1 for i = j and 0 else.
+    pub(crate) modes: Vec<Vec<Rational>>,
+    /// β_j up to a degree; the variables are all s and v.
+    pub(crate) rates: Vec<MultivariatePolynomial>,
 }
 
 impl SlowEquilibria {
-    /// Of F in `states` states and the inputs, known up to a degree; `None` unless exactly one combination of the components has no
-    /// linear terms. X and U follow degree by degree from n of the equations [A B] (X, U) = β e − …, w·X = s (implicit function
-    /// theorem).
+    /// Of F in `states` states and the inputs, known up to a degree, with as many modes as combinations of the components have no
+    /// linear terms; `None` without any, and where such a mode is no coordinate beside those that inputs move. X and U follow degree
+    /// by degree from n of the equations [A B] (X, U) = Σ β_j e_j − …, w_j·X = s_j (implicit function theorem).
     pub(crate) fn of(field: &[MultivariatePolynomial], inputs: usize, degree: u32) -> Option<Self> {
         let n = field.len();
         let linear: Vec<Vec<Rational>> =
             field.iter().map(|f| (0..n + inputs).map(|k| f.coefficient(&unit(n + inputs, k))).collect()).collect();
         let linear = RationalMatrix::new(linear, n + inputs);
-        let [mode] = &linear.transposed().null_space()[..] else { return None };
-        let left_out = mode.iter().position(|c| *c != Rational::ZERO)?;
-        // The equation that the others imply is replaced by w·X = s.
+        let Echelon { rows: modes, pivots: left_out, .. } = Echelon::new(&linear.transposed().null_space(), n);
+        if modes.is_empty() {
+            return None;
+        }
+        // The equations that the others imply are replaced by w_j·X = s_j.
         let mut rows: Vec<Vec<Rational>> = linear.rows().to_vec();
-        rows[left_out] = mode.iter().cloned().chain(vec![Rational::ZERO; inputs]).collect();
+        for (mode, &i) in modes.iter().zip(&left_out) {
+            rows[i] = mode.iter().cloned().chain(vec![Rational::ZERO; inputs]).collect();
+        }
         let equations = RationalMatrix::new(rows, n + inputs);
         let pivots = Echelon::new(equations.rows(), n + inputs).pivots;
         if pivots.len() < n {
@@ -35,29 +44,149 @@ impl SlowEquilibria {
         }
         let square = equations.rows().iter().map(|r| pivots.iter().map(|&p| r[p].clone()).collect()).collect();
         let inverse = RationalMatrix::new(square, n).inverse()?;
-        let variables = 1 + inputs;
+        let k = modes.len();
+        let variables = k + inputs;
         let mut motion = vec![MultivariatePolynomial::default(); n + inputs];
         for (&p, row) in pivots.iter().zip(inverse.rows()) {
-            motion[p].add_term(unit(variables, 0), row[left_out].clone());
-        }
-        for (k, v) in equations.null_space().into_iter().enumerate() {
-            for (x, c) in motion.iter_mut().zip(v) {
-                x.add_term(unit(variables, 1 + k), c);
+            for (j, &i) in left_out.iter().enumerate() {
+                motion[p].add_term(unit(variables, j), row[i].clone());
             }
         }
-        let mut rate = MultivariatePolynomial::default();
+        for (l, v) in equations.null_space().into_iter().enumerate() {
+            for (x, c) in motion.iter_mut().zip(v) {
+                x.add_term(unit(variables, k + l), c);
+            }
+        }
+        let mut rates = vec![MultivariatePolynomial::default(); k];
         for order in 2..=degree {
             let rest: Vec<MultivariatePolynomial> =
                 field.iter().map(|f| f.composed(&motion, variables, order).of_degree(order)).collect();
-            for (c, r) in mode.iter().zip(&rest) {
-                rate = rate.plus(r, c);
+            for (rate, mode) in rates.iter_mut().zip(&modes) {
+                for (c, r) in mode.iter().zip(&rest) {
+                    *rate = rate.plus(r, c);
+                }
             }
             for (&p, row) in pivots.iter().zip(inverse.rows()) {
-                for (i, r) in rest.iter().enumerate().filter(|(i, _)| *i != left_out) {
+                for (i, r) in rest.iter().enumerate().filter(|(i, _)| !left_out.contains(i)) {
                     motion[p] = motion[p].plus(r, &-row[i].clone());
                 }
             }
         }
-        Some(SlowEquilibria { mode: mode.clone(), rate })
+        Some(SlowEquilibria { modes, rates })
     }
+
+    /// Whether some Lipschitz continuous v = φ(s) makes s' = β(s, φ(s)), expanded to degree [`SLOW_DEGREE`], asymptotically stable for
+    /// all terms of higher degree.
+    ///
+    /// - Terms of degree 2: v = κ ‖s‖ c with a large κ, where v enters them by Σ v_i B_i s alone and Σ c_i B_i is Hurwitz. In the norm
+    ///   in which its flow contracts, ‖s‖' ≤ −(κ − const) ‖s‖².
+    /// - Terms of degree 3: v = L s + κ |s|² c, where L cancels the terms of degree 2 and a polynomial Lyapunov function is found for
+    ///   the terms of degree 3. A homogeneous system that is asymptotically stable remains so for any terms of higher degree
+    ///   (Massera 1956).
+    ///
+    /// The feedback u = U(s, φ(s)) + K (x − X(s, φ(s))) then stabilizes, as for one mode: the deviation from X is of the order of β.
+    pub(crate) fn attract(&self, inputs: usize) -> bool {
+        self.by_linear_terms(inputs) || self.by_cubic_terms(inputs)
+    }
+
+    /// B_i of the terms Σ v_i B_i s, by rows; `None` where products of the v_i are among the terms of degree 2.
+    fn multiplied(&self, inputs: usize) -> Option<Vec<Vec<Vec<Rational>>>> {
+        let k = self.modes.len();
+        if self
+            .rates
+            .iter()
+            .any(|r| r.terms().any(|(m, _)| m[..k].iter().all(|e| *e == 0) && m.iter().sum::<u32>() == 2))
+        {
+            return None;
+        }
+        let entry = |r: &MultivariatePolynomial, i: usize, l: usize| r.coefficient(&product(k + inputs, k + i, l));
+        let row = |r, i| (0..k).map(|l| entry(r, i, l)).collect();
+        Some((0..inputs).map(|i| self.rates.iter().map(|r| row(r, i)).collect()).collect())
+    }
+
+    fn by_linear_terms(&self, inputs: usize) -> bool {
+        let k = self.modes.len();
+        let Some(matrices) = self.multiplied(inputs) else { return false };
+        directions(inputs, &[1]).iter().any(|c| {
+            let entry = |j: usize, l: usize| {
+                let terms = matrices.iter().zip(c).map(|(b, c)| &b[j][l] * Rational::from(*c));
+                terms.fold(Rational::ZERO, |sum, x| sum + x)
+            };
+            let rows = (0..k).map(|j| (0..k).map(|l| entry(j, l)).collect()).collect();
+            let spectrum = Spectrum::of(&RationalMatrix::new(rows, k));
+            (spectrum.right, spectrum.on_axis) == (0, 0)
+        })
+    }
+
+    fn by_cubic_terms(&self, inputs: usize) -> bool {
+        let k = self.modes.len();
+        let Some(linear) = self.canceling(inputs) else { return false };
+        let mut square = MultivariatePolynomial::default();
+        for j in 0..k {
+            square.add_term(product(k, j, j), Rational::ONE);
+        }
+        let mut all = directions(inputs, &[1, 10]);
+        all.push(vec![0; inputs]);
+        all.iter().any(|c| {
+            let of_modes = (0..k).map(|j| MultivariatePolynomial::term(Rational::ONE, unit(k, j)));
+            let of_inputs = c.iter().zip(&linear).map(|(c, l)| l.plus(&square, &Rational::from(*c)));
+            let values: Vec<MultivariatePolynomial> = of_modes.chain(of_inputs).collect();
+            let field: Vec<MultivariatePolynomial> =
+                self.rates.iter().map(|r| r.composed(&values, k, SLOW_DEGREE)).collect();
+            field.iter().all(|f| f.of_degree(2).is_zero())
+                && matches!(PolynomialField(&field).shown(), Some(Shown::Attracts(_)))
+        })
+    }
+
+    /// v = L s without terms of degree 2 in β(s, L s), one polynomial for each v; 0 where these are products of the v_i.
+    fn canceling(&self, inputs: usize) -> Option<Vec<MultivariatePolynomial>> {
+        let k = self.modes.len();
+        let Some(matrices) = self.multiplied(inputs) else {
+            return Some(vec![MultivariatePolynomial::default(); inputs]);
+        };
+        // One equation for each rate and each product of two modes, in the entries of L and then the terms without v.
+        let unknowns = inputs * k;
+        let mut equations = Vec::new();
+        for (j, rate) in self.rates.iter().enumerate() {
+            for (a, b) in (0..k).flat_map(|a| (a..k).map(move |b| (a, b))) {
+                let mut row = vec![Rational::ZERO; unknowns + 1];
+                for (i, matrix) in matrices.iter().enumerate() {
+                    row[i * k + a] += &matrix[j][b];
+                    if a != b {
+                        row[i * k + b] += &matrix[j][a];
+                    }
+                }
+                row[unknowns] = rate.coefficient(&product(k + inputs, a, b));
+                equations.push(row);
+            }
+        }
+        let solved = Echelon::new(&equations, unknowns + 1);
+        if solved.pivots.contains(&unknowns) {
+            return None;
+        }
+        let mut linear = vec![MultivariatePolynomial::default(); inputs];
+        for (row, &p) in solved.rows.iter().zip(&solved.pivots) {
+            linear[p / k].add_term(unit(k, p % k), -row[unknowns].clone());
+        }
+        Some(linear)
+    }
+}
+
+/// The exponents of the product of two of n variables.
+fn product(n: usize, a: usize, b: usize) -> Vec<u32> {
+    unit(n, a).iter().zip(unit(n, b)).map(|(x, y)| x + y).collect()
+}
+
+/// Values of the parameters that are tried, up to a factor: all of 0, ± each size, but not all 0.
+fn directions(inputs: usize, sizes: &[i64]) -> Vec<Vec<i64>> {
+    let mut list = vec![Vec::new()];
+    for _ in 0..inputs {
+        let values = |c: &Vec<i64>| {
+            let signed = sizes.iter().flat_map(|s| [*s, -s]).chain([0]);
+            signed.map(|v| c.iter().copied().chain([v]).collect()).collect::<Vec<_>>()
+        };
+        list = list.iter().flat_map(values).collect();
+    }
+    list.retain(|c| c.iter().any(|v| *v != 0));
+    list
 }

@@ -1,23 +1,34 @@
 //! Whether feedback makes an equilibrium asymptotically stable.
 
 use bracketry_symbolic::{Expr, Function, Pool};
+use rustc_hash::FxHashMap;
 
+use crate::algebra::closure::Closure;
 use crate::algebra::field::is_plain_zero;
+use crate::algebra::integrals::search::integrals_of_involutive;
 use crate::answer::Answer;
 use crate::controllability::critical_mode::{by_critical_modes, in_the_plane};
 use crate::controllability::growing_form::growing_form;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
-use crate::controllability::linearization::{Linearization, is_hurwitz, is_linear, uncontrollable};
+use crate::controllability::linearization::{is_hurwitz, is_linear, rational_matrices};
 use crate::controllability::local_accessibility::{Frame, LocalAccessibility};
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
+use crate::controllability::other_inputs::with_other_inputs;
 use crate::controllability::region::{Extent, Region};
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::evidence::Evidence;
+use crate::feedback::critical::Critical;
+use crate::feedback::zero_dynamics::Set;
+use crate::linear::spectrum::Spectrum;
+use crate::linear::taylor::is_analytic;
 use crate::reason::{Reason, StabilizableReason, StlcReason};
 use crate::residues::Fp;
 use crate::undecided::Undecided;
+
+/// Most states of which a Lyapunov function or center manifold is sought.
+const MAX_STATES: usize = 8;
 
 /// What is known of an equilibrium.
 pub(crate) struct AtEquilibrium<'a> {
@@ -31,17 +42,14 @@ pub(crate) struct AtEquilibrium<'a> {
     /// Dimensions of the accessibility algebra and of its strong part: generic and at the point.
     pub(crate) generic: [usize; 2],
     pub(crate) local: &'a LocalAccessibility,
+    /// The accessibility distribution.
+    pub(crate) reach: &'a Closure,
     pub(crate) stlc: &'a Stlc,
     pub(crate) sides: &'a [Option<Side>],
     /// The inputs with their ranges, and their values at the point.
     pub(crate) set: &'a InputSet<'a>,
     pub(crate) values: &'a [Expr],
 }
-
-/// Constants that are added to inputs that do not move the state at the point.
-const OTHER_VALUES: [(i64, i64); 6] = [(-1, 1), (1, 1), (-10, 1), (10, 1), (-1, 4), (1, 4)];
-/// Most inputs of which such constants are tried.
-const MAX_INPUTS: usize = 8;
 
 /// The verdict, from the linearization, from what no input changes or lowers, or from local controllability.
 ///
@@ -73,11 +81,14 @@ pub(crate) fn stabilizable(
         Ok(None) => {}
         Err(why) => return (Answer::Unknown(why.clone().into()), StabilizableReason::Open(why.into())),
     }
-    if at.decays == Answer::Known(true) {
-        return known(true, by_linearization);
+    if at.decays != Answer::Known(true) && stable_by_itself(pool, at.frame, evidence) {
+        return known(true, StabilizableReason::StableByItself);
     }
     if let Some(why) = with_other_inputs(pool, at, evidence) {
         return known(true, why);
+    }
+    if at.decays == Answer::Known(true) {
+        return known(true, by_linearization);
     }
     if at.stlc.with_bounded_inputs() == Verdict::Yes {
         // Kawski 1989: analytic systems x' = f + u g in the plane, g(x0) ≠ 0.
@@ -111,29 +122,28 @@ pub(crate) fn stabilizable(
     (Answer::Unknown(why.clone()), StabilizableReason::Open(why))
 }
 
-/// Whether a constant added to one of the inputs that do not move the state at the point makes all modes that no input reaches
-/// decay: x' = x u is stabilized by u = −1.
-fn with_other_inputs(pool: &mut Pool, at: &AtEquilibrium, evidence: &mut Evidence) -> Option<StabilizableReason> {
-    let zero = pool.int(0);
-    let idle = (0..at.inputs.len()).filter(|&i| at.inputs[i].iter().all(|v| v.is_zero())).take(MAX_INPUTS);
-    for i in idle.collect::<Vec<_>>() {
-        for (p, q) in OTHER_VALUES {
-            let mut moves = vec![zero; at.inputs.len()];
-            moves[i] = pool.ratio(p, q);
-            let values: Vec<Expr> = at.values.iter().zip(&moves).map(|(&u, &c)| pool.add(u, c)).collect();
-            if !at.set.inside(pool, at.frame, &values) {
-                continue;
-            }
-            let frame = Frame::new(pool, &at.frame.fields, at.frame.point(), &moves).ok()?;
-            let rank = Linearization::at(pool, &frame, evidence).ok()?.controllable().rank();
-            if uncontrollable(pool, &frame, rank).ok()?.decays == Answer::Known(true) {
-                let value = frame.constants_in(pool, values[i]);
-                let (input, value) = (at.set.names[i].clone(), Function::new(pool, value));
-                return Some(StabilizableReason::OtherInput { input, value });
-            }
-        }
+/// Whether the equilibrium is asymptotically stable with the inputs of the point, by terms of higher order than the linearization.
+fn stable_by_itself(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> bool {
+    let fields = &frame.fields;
+    if fields.states.len() > MAX_STATES {
+        return false;
     }
-    None
+    let Some((a, _)) = rational_matrices(pool, frame) else { return false };
+    let spectrum = Spectrum::of(&a);
+    if spectrum.right > 0 || spectrum.on_axis == 0 {
+        return false;
+    }
+    let set = Set {
+        fields,
+        point: fields.states.iter().copied().zip(frame.point().iter().copied()).collect(),
+        free: fields.states.clone(),
+        solved: Vec::new(),
+        nonzero: Vec::new(),
+        pivots: Vec::new(),
+    };
+    let (states, equations) = (&fields.states[..], &fields.drift[..]);
+    let critical = Critical { set: &set, states, equations, on_axis: spectrum.on_axis };
+    matches!(critical.decide(pool, evidence), Some((true, _)))
 }
 
 /// What keeps states near the point from it, whatever the inputs.
@@ -144,6 +154,7 @@ fn with_other_inputs(pool: &mut Pool, at: &AtEquilibrium, evidence: &mut Evidenc
 ///   leaves of that foliation z' = h(z), whatever the inputs, and the uncontrollable modes are those of h.
 /// - A function that changes to one side only near the point, or only where it exceeds its value there: from there it does not
 ///   fall back.
+/// - A function that nothing changes and that is analytic at the point.
 /// - A quadratic form of uncontrollable modes that does not fall near the point.
 fn obstacle(
     pool: &mut Pool,
@@ -173,5 +184,28 @@ fn obstacle(
             }));
         }
     }
+    if let Some(function) = conserved(pool, at, evidence)? {
+        return Ok(Some(StabilizableReason::Conserved(function)));
+    }
     Ok(growing_form(pool, at.frame))
+}
+
+/// A function that is analytic at the point and that nothing changes, though its gradient vanishes there: a state with another value of it
+/// does not approach the point, and there are such states arbitrarily near.
+fn conserved(pool: &mut Pool, at: &AtEquilibrium, evidence: &mut Evidence) -> Result<Option<Function>, Undecided> {
+    let fields = &at.frame.fields;
+    if at.generic[0] == fields.states.len() {
+        return Ok(None);
+    }
+    let known: Vec<Expr> = fields.controls.iter().chain([&fields.drift]).flatten().copied().collect();
+    let found = integrals_of_involutive(pool, &fields.states, &at.reach.basis, &known, &fields.bindings, evidence)?;
+    let (variables, offsets) = at.frame.deviations(pool);
+    let zero = pool.int(0);
+    let origin: FxHashMap<Expr, Expr> = variables.iter().map(|&s| (pool.sym(s), zero)).collect();
+    let function = found.functions.into_iter().find(|&h| {
+        let moved = pool.substitute(h, &offsets);
+        let moved = at.frame.constants_in(pool, moved);
+        is_analytic(pool, moved, &origin)
+    });
+    Ok(function.map(|h| Function::new(pool, h)))
 }

@@ -1,6 +1,6 @@
 //! Surfaces that bounded inputs do not leave, such as rest under dry friction.
 
-use bracketry_symbolic::{Expr, Function, Pool};
+use bracketry_symbolic::{Expr, Function, Pool, Rational};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::span::vanishes;
@@ -29,6 +29,10 @@ pub(crate) fn sticks(pool: &mut Pool, adjacent: &[Adjacent], ranges: &Ranges, ev
             if everywhere && states.iter().any(|x| symbols.contains(x)) {
                 continue 'switch;
             }
+            let same = !states.iter().any(|x| symbols.contains(x));
+            if same && never_leaves(pool, a, sign, &rates, ranges) {
+                continue;
+            }
             let at: FxHashMap<Expr, Expr> =
                 states.iter().zip(a.frame.point()).map(|(&s, &v)| (pool.sym(s), v)).collect();
             let at_point = pool.substitute_all(&rates, &at);
@@ -55,6 +59,24 @@ pub(crate) fn sticks(pool: &mut Pool, adjacent: &[Adjacent], ranges: &Ranges, ev
         }
     }
     None
+}
+
+/// Whether a rate that is the same at all states leads away from the surface for no inputs in their ranges; 0 does not either.
+fn never_leaves(pool: &mut Pool, a: &Adjacent, sign: i8, rates: &[Expr], ranges: &Ranges) -> bool {
+    let Some(values) = a.frame.rationals(pool, rates) else { return false };
+    let sign = Rational::from(sign);
+    let mut away = &sign * &values[0];
+    for (g, &(lower, upper)) in values[1..].iter().zip(&ranges.ends) {
+        let slope = &sign * g;
+        if slope == Rational::ZERO {
+            continue;
+        }
+        let Some(end) = Rational::simplest_from_f64(if slope > Rational::ZERO { upper } else { lower }) else {
+            return false;
+        };
+        away += slope * end;
+    }
+    away <= Rational::ZERO
 }
 
 /// A coordinate that rests on the `surface` σ = 0 in all modes: near the point the states on σ = 0 keep their value of it.

@@ -67,7 +67,7 @@ pub struct Stlc {
     /// The first bad bracket that is not neutralized, for the first of the weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub obstruction: Option<Obstruction>,
-    /// The verdict for inputs within any bounds around their values at the point, where it is another one.
+    /// Where some input has no finite range: the verdict for inputs within any bounds around their values at the point, if it is another one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounded: Option<BoundedStlc>,
 }

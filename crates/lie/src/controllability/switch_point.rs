@@ -127,7 +127,11 @@ fn decide(
         found.stlc = Some(Stlc::new(Verdict::Yes, reason));
     }
     if let Some(left) = canceled(pool, given, &adjacent, all.as_deref(), &ranges, evidence)? {
-        left.conclude(&mut found);
+        let stuck = match Ranges::smallest(pool, given, &adjacent) {
+            Some(smallest) => sticks(pool, &adjacent, &smallest, false),
+            None => None,
+        };
+        left.conclude(&mut found, stuck);
     }
     Ok(found)
 }

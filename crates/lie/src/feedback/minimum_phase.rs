@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, Tape};
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol};
 use nalgebra::DMatrix;
 
 use crate::algebra::field::VectorFields;
@@ -184,21 +184,12 @@ impl Set<'_> {
     /// Values at the point; `None` if one is not seen to be a rational number.
     pub(crate) fn rationals(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<Rational>> {
         let values = self.values_at_point(pool, list);
-        values
-            .into_iter()
-            .map(|e| {
-                let e = pool.simplify(e);
-                pool.number(e).cloned()
-            })
-            .collect()
+        values.into_iter().map(|e| pool.constant_rational(e)).collect()
     }
 
-    /// Values at the point, parameters at theirs; `None` if one has none or is not finite.
+    /// Values at the point to the last digit, parameters at theirs; `None` if one has none that can be enclosed.
     fn numbers(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<f64>> {
-        let roots = self.values_at_point(pool, list);
-        let tape = Tape::compile(pool, &[], &roots).ok()?;
-        let mut values = vec![0.0; tape.n_outputs()];
-        tape.eval(&[], &mut Vec::new(), &mut values);
-        values.iter().all(|v| v.is_finite()).then_some(values)
+        let values = self.values_at_point(pool, list);
+        values.into_iter().map(|e| pool.constant_value(e, &Bindings::new())).collect()
     }
 }

@@ -44,7 +44,7 @@ impl MultivariatePolynomial {
     pub fn of(pool: &mut Pool, e: Expr, symbols: &[Symbol]) -> Option<Self> {
         let mut p = Self::default();
         for (exponents, c) in pool.coefficients(e, symbols) {
-            p.add_term(exponents, pool.number(c)?.clone());
+            p.add_term(exponents, pool.constant_rational(c)?);
         }
         (p.terms.len() <= MAX_TERMS).then_some(p)
     }

@@ -35,8 +35,7 @@ impl MultivariatePolynomial {
                     return None;
                 }
                 let at = pool.substitute(d, &origin);
-                let at = pool.simplify(at);
-                let value = pool.number(at)?.clone();
+                let value = pool.constant_rational(at)?;
                 p.add_term(m.clone(), value / &factorial);
                 if order < degree {
                     for (k, &i) in used.iter().enumerate().skip(from) {

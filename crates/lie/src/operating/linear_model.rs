@@ -1,13 +1,15 @@
 //! The linear system around a point, as formulas and as numbers.
 
 use bracketry_symbolic::{Bindings, Expr, Function, Node, Pool, Symbol, Tape};
-use bracketry_system::System;
+use bracketry_system::{Point, System};
 use nalgebra::DMatrix;
 use rustc_hash::FxHashMap;
 use serde::{Serialize, Serializer};
 
+use crate::error::Error;
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::zeros::Quadruple;
+use crate::regular::regular_at;
 
 /// A matrix of a linear system.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,10 +97,13 @@ pub enum NotLinearizable {
         /// The switching function.
         name: String,
     },
+    /// The equations have no value at the point, or jump there.
+    #[error(transparent)]
+    Irregular(#[from] Error),
     /// A derivative has no finite value.
     #[error("the derivative of {of} with respect to {by} has no finite value at the point")]
     NotFinite {
-        /// State or output.
+        /// Rate of a state, such as x', or output.
         of: String,
         /// State or input.
         by: String,
@@ -127,11 +132,16 @@ impl LinearModel {
             let input = original.symbol_name(original.inputs[d.input]).to_owned();
             return Err(NotLinearizable::InputDerivative { input });
         }
+        let mut system = original.clone();
+        let zero = system.pool.int(0);
+        let origin = || Point { states: vec![zero; original.states.len()], inputs: vec![zero; original.inputs.len()] };
+        let point = system.point.clone().unwrap_or_else(origin);
+        regular_at(&mut system, &point)?;
         let mut frame = Frame::new(original);
         let (dynamics, outputs) = frame.smooth_equations()?;
         let (states, inputs) = (original.states.clone(), original.inputs.clone());
         let of = |k: usize| match k.checked_sub(states.len()) {
-            None => original.symbol_name(states[k]).to_owned(),
+            None => format!("{}'", original.symbol_name(states[k])),
             Some(k) => original.outputs.get(k).map_or_else(String::new, |o| o.0.clone()),
         };
         let states_are_outputs = original.outputs.is_empty();
@@ -284,7 +294,7 @@ impl Frame {
 
     fn rest(&mut self, dynamics: &[Expr], a: &DMatrix<f64>) -> Rest {
         let values = self.numbers(dynamics);
-        let residual = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let residual = values.iter().map(|v| v.abs()).max_by(f64::total_cmp).unwrap_or(0.0);
         let here = self.system.pool.substitute_all(dynamics, &self.at);
         let exact = self.system.with_values(&here).into_iter().all(|e| {
             let e = self.system.pool.simplify(e);

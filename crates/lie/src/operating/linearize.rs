@@ -160,8 +160,12 @@ pub fn linearize(system: &System, options: &LinearizeOptions) -> Result<LinearAn
     let (regulator, estimator) = (regulator(a, b, &q, &r), estimator(a, c, &v, &w));
     // These take the longest, and are bounds whenever they end.
     let stopped = || system.pool.reached_limit().is_some();
-    let (to_uncontrollable, to_unobservable) =
-        (distance(a, b, &stopped), distance(&a.transpose(), &c.transpose(), &stopped));
+    // Where the rank is known to be deficient, nothing is left of the distance but rounding.
+    let exactly = |d: Distance, r: Rank| {
+        if r.exact && r.rank < r.of { Distance { lower: 0.0, upper: 0.0, ..d } } else { d }
+    };
+    let to_uncontrollable = distance(a, b, &stopped).map(|d| exactly(d, controllability));
+    let to_unobservable = distance(&a.transpose(), &c.transpose(), &stopped).map(|d| exactly(d, observability));
     Ok(LinearAnalysis {
         exact: model.rational.is_some(),
         half_planes: spectrum.map(|s| [s.left, s.on_axis, s.right]),

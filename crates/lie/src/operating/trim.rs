@@ -392,7 +392,10 @@ impl<'a> Search<'a> {
                 match [&found.z - &step, found.z.clone(), &found.z + &step].map(|z| self.sign(combination, &z)) {
                     [_, Some(Ordering::Equal), _] => true,
                     [Some(before), _, Some(after)] => is_small && before != after,
-                    _ => slope > 0.0 && c.weights.dot(&f).abs() <= slope * length,
+                    // Beside the end of a domain, as of a root.
+                    [None, Some(here), Some(beside)] | [Some(beside), Some(here), None] => is_small && here != beside,
+                    [None, Some(_), None] => false,
+                    _ => is_small && slope > 0.0 && value <= slope * length,
                 }
             })
         });

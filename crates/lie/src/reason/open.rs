@@ -100,10 +100,17 @@ pub enum Reason {
     #[error("the linearizing outputs were not found in closed form")]
     NoLinearizingOutputs,
     /// The verdict on the affine form does not transfer: its inputs are not free at the point.
-    #[error("at the point, the old inputs cannot vary {} freely in all directions", equations(.inputs))]
+    #[error("at the point, the old inputs cannot vary {} freely in all directions",
+        if .inputs.is_empty() { "the inputs of the affine form".to_owned() } else { equations(.inputs) })]
     InputsNotFree {
         /// The new inputs as functions of the old ones.
         inputs: Vec<(String, Function)>,
+    },
+    /// The verdict on the affine form does not transfer: it keeps inputs near their values at the point.
+    #[error("excluded only for {} near the value at the point; other values were not examined", .inputs.join(", "))]
+    InputsMayJump {
+        /// The inputs that became states.
+        inputs: Vec<String>,
     },
     /// The verdict does not transfer: an input is at an end of its range.
     #[error("{input} is at an end of its range at the point")]

@@ -5,6 +5,7 @@ use bracketry_symbolic::{Function, Rational};
 use crate::as_text::serialized_as_text;
 use crate::reason::open::Reason;
 use crate::reason::stlc::Monotone;
+use crate::reason::text::{equations, texts};
 
 /// What a verdict on stabilizability rests on, or why there is none.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -35,13 +36,14 @@ pub enum StabilizableReason {
     /// A is Hurwitz.
     #[error("the linearization is asymptotically stable with the inputs of the point")]
     Stable,
-    /// Linear feedback around another value of an input that does not move the state at the point.
-    #[error("with {input} = {value} at the point, the uncontrollable modes of the linearization decay")]
-    OtherInput {
-        /// The input.
-        input: String,
-        /// Its value at the point.
-        value: Function,
+    /// Terms of higher order decide.
+    #[error("the equilibrium is asymptotically stable with the inputs of the point")]
+    StableByItself,
+    /// Linear feedback around other values of inputs that together do not move the state at the point.
+    #[error("with {} at the point, the uncontrollable modes of the linearization decay", equations(.inputs))]
+    OtherInputs {
+        /// These inputs, with their values at the point.
+        inputs: Vec<(String, Function)>,
     },
     /// Coron's theorem, with integrators.
     #[error("by continuous time-periodic dynamic feedback, from small-time controllability (Coron)")]
@@ -71,6 +73,15 @@ pub enum StabilizableReason {
         function: Function,
         /// The powers of the mode to which its rate is proportional, above and below the point.
         orders: [Rational; 2],
+    },
+    /// Several uncontrollable modes with the eigenvalue 0.
+    #[error(
+        "by Lipschitz continuous feedback: along states that the inputs otherwise hold at rest, the critical modes {} decay (Aeyels 1985)",
+        texts(.functions)
+    )]
+    CriticalModes {
+        /// The modes.
+        functions: Vec<Function>,
     },
     /// A pair of eigenvalues ±iω.
     #[error(
@@ -107,7 +118,9 @@ pub enum StabilizableReason {
     #[error("{0} is constant, so states with another value of it do not approach the point")]
     Conserved(Function),
     /// Bounded inputs hold the state on a surface.
-    #[error("for all admissible inputs, states on {surface} = 0 stay there, and {kept} is constant on it")]
+    #[error(
+        "near the point, for all admissible inputs, states on {surface} = 0 stay there, and {kept} is constant on it"
+    )]
     Sticks {
         /// The switching function.
         surface: Function,
@@ -126,8 +139,8 @@ impl StabilizableReason {
     /// Whether continuous feedback of the state near the values of the inputs at the point stabilizes though linear feedback may
     /// not.
     pub(crate) fn is_by_continuous_state_feedback(&self) -> bool {
-        use StabilizableReason::{CriticalMode, OscillatingPair, Planar, PlanarSigns};
-        matches!(self, Planar | PlanarSigns { .. } | CriticalMode { .. } | OscillatingPair)
+        use StabilizableReason::{CriticalMode, CriticalModes, OscillatingPair, Planar, PlanarSigns};
+        matches!(self, Planar | PlanarSigns { .. } | CriticalMode { .. } | CriticalModes { .. } | OscillatingPair)
     }
 }
 

@@ -146,7 +146,9 @@ pub enum StlcReason {
     #[error("{0} is constant in every mode at the point")]
     Invariant(Function),
     /// Filippov's solutions stay on a surface.
-    #[error("for all admissible inputs, the motion stays on {0} = 0: both modes drive it there (Filippov)")]
+    #[error(
+        "near the point, for all admissible inputs, the motion stays on {0} = 0: no mode leads away from it (Filippov)"
+    )]
     Sticks(Function),
     /// An input crosses the surface between two modes.
     #[error(
@@ -180,6 +182,15 @@ impl StlcReason {
         match self {
             StlcReason::Canceled(reason) => reason,
             reason => reason,
+        }
+    }
+
+    /// Whether the verdict rests on inputs that may be far from those at the point.
+    pub(crate) fn holds_elsewhere(&self) -> bool {
+        match self {
+            StlcReason::InsideRanges(_) | StlcReason::Around { .. } | StlcReason::Jumps => true,
+            StlcReason::Canceled(reason) => reason.holds_elsewhere(),
+            _ => false,
         }
     }
 }

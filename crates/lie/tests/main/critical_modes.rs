@@ -226,3 +226,35 @@ fn functions_that_are_singular_at_the_point_stabilize_nothing() {
         assert_ne!(point.stabilizable, Some(Answer::Known(true)), "{x}, {y}: {:?}", point.stabilizable_reason);
     }
 }
+
+proptest! {
+    #![proptest_config(cases(3))]
+
+    /// s0' = u, s_k' = Σ (s0 B + …) s: with s0 = −κ |s| the modes s1, s2 turn and decay where B has eigenvalues a ± b i with a ≠ 0.
+    /// The quadratic terms of the modes alone, and all of degree 3, change nothing.
+    #[test]
+    fn several_modes_that_one_input_multiplies(a in nonzero(), b in -3_i64..4, c in -3_i64..4, d in -3_i64..4, k in 1_usize..3, t in -2_i64..3) {
+        let turned = |h: [&str; 2]| {
+            let mut list = behind_integrators("s1", k);
+            list.pop();
+            list.extend(h.map(|h| h.replace("s2", &format!("s{}", k + 1)).replace("s1", &format!("s{k}")).replace("s9", "s0")));
+            list
+        };
+        let h = turned([
+            &format!("(s9*({a}*s1 - {b}*s2) + {c}*s1*s2 + {d}*s2^2 + {c}*s9^2*s1)"),
+            &format!("(s9*({b}*s1 + {a}*s2) + {d}*s1^2 - {c}*s2^2 + {d}*s9*s1*s2)"),
+        ]);
+        prop_assert_eq!(hidden(&["u"], &h, &[(0, k, t), (k + 1, 0, 1)]), Some(true), "{:?}", h);
+    }
+
+    /// Modes that decay by terms of degree 3 beside one that an input makes decay.
+    #[test]
+    fn modes_of_degree_three_beside_one_that_is_multiplied(a in nonzero(), b in 1_i64..4, c in 1_i64..4, t in -2_i64..3) {
+        let h = ["u".to_owned(), format!("{a}*s0*s1"), format!("-{b}*s2^3 - {c}*s1^2*s2")];
+        prop_assert_eq!(hidden(&["u"], &h, &[(0, 1, t), (0, 2, 1)]), Some(true), "{:?}", h);
+        // Where one of them never falls, nothing helps.
+        let h = ["u".to_owned(), format!("{a}*s0*s1"), format!("{b}*s2^3 + {c}*s1^2*s2")];
+        let found = hidden(&["u"], &h, &[(0, 1, t)]);
+        prop_assert_eq!(found, Some(false), "{:?}", h);
+    }
+}

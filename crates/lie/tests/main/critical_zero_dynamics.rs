@@ -139,3 +139,22 @@ proptest! {
         }
     }
 }
+
+/// Coefficients that are zero and that floating point takes for rounding: the terms of higher degree decide.
+#[test]
+fn hidden_zeros_do_not_decide() {
+    for zero in [
+        "(sqrt(2)*sqrt(3) - sqrt(6))",
+        "(exp(1)*exp(2) - exp(3))",
+        "(sin(1)^2 + cos(1)^2 - 1)",
+        "(sqrt(7)*sqrt(5) - sqrt(35))",
+    ] {
+        for sign in ["-", "+"] {
+            for (cubic, expected) in [("-", Some(true)), ("+", Some(false))] {
+                let equations = ["z1", "z2"].map(|z| format!("{sign}{zero}*{z} {cubic} {z}^3"));
+                let equations = [equations[0].as_str(), &equations[1]];
+                assert_eq!(holds(&["z1", "z2"], &equations), expected, "{equations:?}");
+            }
+        }
+    }
+}

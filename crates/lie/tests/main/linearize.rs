@@ -1,7 +1,9 @@
 //! Linear systems around a point: exact matrices, poles, zeros, ranks, Gramians, and gains.
 
-use bracketry_lie::linearize;
-use bracketry_lie::operating::{LinearAnalysis, LinearizeError, LinearizeOptions, NoGain, NotLinearizable};
+use bracketry_lie::operating::{
+    LinearAnalysis, LinearModel, LinearizeError, LinearizeOptions, NoGain, NotLinearizable,
+};
+use bracketry_lie::{AnalysisOptions, analyze_affine, linearize};
 use bracketry_system::System;
 use nalgebra::DMatrix;
 use std::fmt::Write as _;
@@ -120,4 +122,30 @@ fn weights_that_give_no_cost_are_refused() {
     assert!(matches!(with(|o| o.state_weights = vec![1.0, -1.0]), Err(LinearizeError::Weight { positive: false, .. })));
     assert!(matches!(with(|o| o.measurement_noise = vec![-1.0]), Err(LinearizeError::Weight { .. })));
     assert!(with(|o| o.state_weights = vec![1.0, 0.0]).unwrap().regulator.is_ok());
+}
+
+/// Nothing is said where the equations have no value or jump, by no command.
+#[test]
+fn points_without_values_are_refused() {
+    for (equation, x, what) in [
+        ("x^(1/3) + 1", "-1", "x^(1/3) has no value"),
+        ("log(x)", "-1", "log(x) has no value"),
+        ("tan(x)", "pi/2", "tan(x) has no value"),
+        ("asin(x)", "3/2", "asin(x) has no value"),
+        ("sqrt(x - sqrt(2))", "7/5", "has no value"),
+        ("atan2(y, x) - pi", "-1", "atan2(y, x) jumps"),
+        ("atan2(y, x)", "0", "atan2(y, x) has no value"),
+        ("1/(x - 1)", "1", "has no value"),
+    ] {
+        let text = format!(
+            "states = ['x', 'y']\ninputs = ['u']\ndynamics = {{ x = 'u', y = '{equation}' }}\n[point]\nx = '{x}'\n"
+        );
+        let system = System::parse("m", &text).unwrap();
+        let refused = LinearModel::new(&system).unwrap_err().to_string();
+        assert!(refused.contains(what), "{equation}: {refused}");
+        let report = analyze_affine(&system, &AnalysisOptions::default()).unwrap();
+        let why = report.at_point.unwrap();
+        assert!(why.known().is_none(), "{equation}");
+        assert!(why.reason().unwrap().to_string().contains(what), "{equation}: {:?}", why.reason());
+    }
 }

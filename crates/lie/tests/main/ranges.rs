@@ -2,7 +2,8 @@
 
 use crate::common::system;
 use bracketry_lie::controllability::{InputValues, Stlc, Verdict};
-use bracketry_lie::{AnalysisOptions, analyze_affine};
+use bracketry_lie::{AnalysisOptions, analyze, analyze_affine};
+use bracketry_system::System;
 use proptest::prelude::*;
 
 const FAR: f64 = f64::INFINITY;
@@ -165,5 +166,29 @@ proptest! {
         let w = format!("x^2*y + ({})*z^3 + ({})*w + ({})*z^5 + ({})*w*cos(y)", c[4], c[5], c[6], c[7]);
         let found = stlc("x y z w", &[("u", -1.0, 1.0)], &["u", "x", &z, &w], &[]);
         prop_assert_eq!(found.verdict, Verdict::Yes, "{}: {} {}", found.reason, z, w);
+    }
+}
+
+/// New inputs w(u) whose values near w(0) need u far from 0: what small inputs do is not concluded from them.
+#[test]
+fn values_of_new_inputs_may_be_far_away() {
+    let judge = |w: &str| {
+        let text = format!("states = ['x']\ninputs = ['u']\ndynamics = {{ x = '{w}' }}\n[point]\nx = 0\n");
+        let system = System::parse("m", &text).unwrap();
+        let report = analyze(&system, &AnalysisOptions::default()).unwrap().report;
+        report.at_point.unwrap().known().unwrap().clone()
+    };
+    for (w, near) in [
+        ("u^2 - 3*u^4", false),
+        ("u^3 - u^2", false),
+        ("1 - cos(u) - u^2/4", false),
+        ("exp(u) - 1 - u - u^2", false),
+        ("u^3", true),
+        ("u + u^2", true),
+    ] {
+        let p = judge(w);
+        assert_eq!(p.stlc.verdict, Verdict::Yes, "{w}");
+        assert_eq!(p.stlc.with_bounded_inputs() == Verdict::Yes, near, "{w}: {:?}", p.stlc);
+        assert_eq!(p.brockett_condition.unwrap().known() == Some(&true), near, "{w}");
     }
 }

@@ -170,3 +170,74 @@ proptest! {
         prop_assert_eq!(report.brockett_condition, Some(Answer::Known(false)));
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// x' = u Ω x with a skew Ω in the norm of a form P: xᵀPx never changes, though its gradient vanishes at the origin. The field turns
+    /// x + p y + q y² and y.
+    #[test]
+    fn what_is_constant_excludes_it_where_its_gradient_vanishes(a in 1_i64..4, b in 1_i64..4, p in -2_i64..3, q in -2_i64..3) {
+        let x = format!("(X - {p}*y - {q}*y^2)");
+        let rate = format!("-{b}*{x}*u");
+        let outer = format!("{a}*y*u + ({p} + 2*{q}*y)*({rate})");
+        let (answer, why) = stabilizable("X y", "u", &[&outer, &rate]);
+        prop_assert_eq!(answer, Some(false), "{:?}", why);
+    }
+
+    /// Inputs at an end of their ranges, with others inside that hold the point.
+    #[test]
+    fn inputs_inside_their_ranges_stabilize(a in 1_i64..4, b in 1_i64..4, c in -2_i64..3) {
+        let ranges = ["u", "v"].map(|n| (n.to_owned(), InputValues::Between(0.0, 1.0))).to_vec();
+        let options = AnalysisOptions { ranges, ..AnalysisOptions::default() };
+        let judge = |dynamics: &[&str]| {
+            let r = report("x y", "u v", dynamics, &[], &options);
+            (r.stabilizable.unwrap().known().copied(), r.stabilizable_reason)
+        };
+        // u and v balance each other at any height.
+        let (answer, why) = judge(&[&format!("{a}*y"), &format!("{b}*(u - v) + {c}*x")]);
+        prop_assert_eq!(answer, Some(true), "{:?}", why);
+        let other = matches!(why, Some(StabilizableReason::OtherInputs { .. }));
+        prop_assert!(other);
+        // A damper that is open at the point.
+        let (answer, why) = judge(&["y", &format!("-{a}*x - {b}*y*u")]);
+        prop_assert_eq!(answer, Some(true), "{:?}", why);
+        // Both inputs push to one side.
+        let (answer, why) = judge(&["y", &format!("{a}*u + {b}*v")]);
+        prop_assert_eq!(answer, Some(false), "{:?}", why);
+    }
+
+    /// The drift alone is asymptotically stable by terms of degree 3, at an end of the ranges and between.
+    #[test]
+    fn what_rests_by_itself_needs_no_feedback(a in 1_i64..4, b in 1_i64..4, c in -2_i64..3, inside in any::<bool>()) {
+        let lower = if inside { -1.0 } else { 0.0 };
+        let ranges = vec![("u".to_owned(), InputValues::Between(lower, 1.0))];
+        let options = AnalysisOptions { ranges, ..AnalysisOptions::default() };
+        for sign in [1, -1] {
+            let r = report("x y", "u", &["y", &format!("-{a}*x - {}*y^3 + {c}*x*y^2*u", sign * b)], &[], &options);
+            let expected = (sign == 1).then_some(true);
+            prop_assert_eq!(r.stabilizable.unwrap().known().copied().filter(|s| *s), expected, "{:?}", r.stabilizable_reason);
+        }
+    }
+
+    /// Two states that decay each with an input of its own.
+    #[test]
+    fn several_inputs_that_do_not_move_the_state(a in 1_i64..4, b in 1_i64..4, c in -2_i64..3) {
+        let (answer, why) = stabilizable("x y", "u v", &[&format!("{a}*x*u + {c}*y^2"), &format!("{b}*y*v + {c}*x*y")]);
+        prop_assert_eq!(answer, Some(true), "{:?}", why);
+        let other = matches!(why, Some(StabilizableReason::OtherInputs { .. }));
+        prop_assert!(other);
+    }
+
+    /// z' = xʲ (y + p(x) y²): where x is not 0, y moves z to both sides. In Z = z + q x y the equilibria are the same.
+    #[test]
+    fn brocketts_condition_by_equilibria_nearby(j in 1_i64..4, p in -2_i64..3, q in -2_i64..3) {
+        let rate = format!("x^{j}*(y + {p}*y^2) + {q}*(y*u + x*v)");
+        let r = report("x y Z", "u v", &["u", "v", &rate], &[], &AnalysisOptions::default());
+        prop_assert_eq!(r.brockett_condition, Some(Answer::Known(true)), "{}", rate);
+        // With a square, z moves to one side of every equilibrium.
+        let rate = format!("x^{}*y^2 + {q}*(y*u + x*v)", 2 * j);
+        let r = report("x y Z", "u v", &["u", "v", &rate], &[], &AnalysisOptions::default());
+        prop_assert_eq!(r.brockett_condition, Some(Answer::Known(false)), "{}", rate);
+    }
+}

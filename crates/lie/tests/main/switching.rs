@@ -301,6 +301,31 @@ fn friction_holds_what_bounded_forces_do_not_overcome() {
     assert_eq!(at_point(&p).equilibrium, Answer::Known(false));
 }
 
+#[test]
+fn small_inputs_do_not_overcome_a_jump() {
+    let mut random = Random(0x5eed_0011);
+    for _ in 0..8 {
+        let (mu, gain, cubic) = (random.positive(), random.positive(), random.small());
+        let judge = |range: Option<f64>| {
+            let ranges = range.map(|r| ("F".to_owned(), InputValues::Between(-r, r)));
+            let options = AnalysisOptions { ranges: ranges.into_iter().collect(), ..AnalysisOptions::default() };
+            let equation = format!("{gain}*F - {mu}*sign(v) + {cubic}*x^3");
+            at_point(&analyze_affine(&model("x v", "F", &["v", &equation]), &options).unwrap()).stlc.clone()
+        };
+        // The jump is canceled by inputs of its size, and the motion does not leave v = 0 with smaller ones.
+        let free = judge(None);
+        assert_eq!((free.verdict, free.with_bounded_inputs()), (Verdict::Yes, Verdict::No), "{free:?}");
+        assert_eq!(judge(Some(2.0 * mu as f64 / gain as f64)).with_bounded_inputs(), Verdict::Yes);
+        // Inputs that just hold the jump do not drive the motion away either, where no force depends on the state.
+        if cubic == 0 {
+            assert_eq!(judge(Some(mu as f64 / gain as f64)).verdict, Verdict::No);
+        }
+        // A difference of the modes that vanishes on the surface takes small inputs only.
+        let r = report("x v", "F", &["v", &format!("F - {mu}*v*abs(v)")]);
+        assert_eq!(at_point(&r).stlc.with_bounded_inputs(), Verdict::Yes);
+    }
+}
+
 /// What no mode changes, or rest that the inputs cannot end, keeps states near the point from it.
 #[test]
 fn what_does_not_change_in_any_mode_excludes_stabilization() {

@@ -188,3 +188,33 @@ fn a_jump_is_no_equilibrium() {
         assert!(t.status == TrimStatus::NotFound || t.residual < 1e-9, "{rate}: {t:?}");
     }
 }
+
+/// Beside the end of a domain, where the slope is infinite, a value that is not small is no rounding.
+#[test]
+fn no_solution_at_the_end_of_a_domain() {
+    for power in ["(1/3)", "(1/5)", "(1/4)", "0.1", "(1/2)"] {
+        for (offset, solved) in [(" + 1", false), (" + 1/1000", false), ("", true), (" - 1/2", true)] {
+            let text = format!("states = ['x']\ndynamics = {{ x = 'x^{power}{offset}' }}\n[point]\nx = 1\n");
+            let t = searched(&text, &[], &[], &[]);
+            assert_eq!(t.status != TrimStatus::NotFound, solved, "{text}: {t:?}");
+        }
+    }
+}
+
+/// Multiple solutions are found to a part of their digits only, and confirmed exactly all the same.
+#[test]
+fn multiple_solutions_at_simple_constants_are_confirmed() {
+    for (equation, value) in [
+        ("sin(x) - 1", "0.5*pi"),
+        ("cos(2*x) + 1", "0.5*pi"),
+        ("x^2 - 2*x*sqrt(2) + 2", "sqrt(2)"),
+        ("(x - 1/3)^2", "1/3"),
+        ("(x - 3)^3*(x + 5)", "3"),
+    ] {
+        let start = if value == "1/3" { "0.5" } else { "2" };
+        let text = format!("states = ['x']\ndynamics = {{ x = '{equation}' }}\n[point]\nx = {start}\n");
+        let t = searched(&text, &[], &[], &[]);
+        assert_ne!(t.status, TrimStatus::NotFound, "{equation}: {t:?}");
+        assert_eq!(exact(&t, "x"), value, "{equation}");
+    }
+}

@@ -118,8 +118,8 @@ fn an_end_before_its_time_has_a_cross_and_a_name() {
 fn a_line_that_leaves_its_frame_says_where_it_ends() {
     let chart =
         |high: f64| XyChart::new("t [s]", Panel::new("φ [°]").series(line("")).limits(0.0, high)).draw().unwrap();
-    assert_eq!(says(&chart(2.0), "leaves the axes (ends at 3°)"), 1);
-    assert_eq!(says(&chart(3.0), "leaves the axes (ends at 3°)"), 0);
+    assert_eq!(says(&chart(2.0), "off scale (ends at 3°)"), 1);
+    assert_eq!(says(&chart(3.0), "off scale (ends at 3°)"), 0);
 }
 
 #[test]

@@ -159,8 +159,8 @@ def analyze(
     system
         The model.
     at
-        Point of local statements in place of the model's, such as ``{"th": "pi/2"}``; what is not named is 0, so that ``{}`` is
-        the origin.
+        Point of local statements in place of the model's, such as ``{"th": "pi/2"}``; unnamed states and inputs are 0, so that
+        ``{}`` is the origin.
     brackets
         Brackets to write out, such as ``"[g1,[f,g1]]"``.
     determines

@@ -61,7 +61,7 @@ def certify(
     system
         A polynomial model.
     at
-        Equilibrium instead of the model's point; unnamed entries are 0.
+        Equilibrium instead of the model's point; unnamed states and inputs are 0.
     feedback
         Expressions of the states that set inputs, such as ``{"u": "-x - 2*v"}``.
     find

@@ -14,10 +14,10 @@ from ._text import expression, name_of
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FromRest(Result):
-    """Which rest states inputs within bounds reach."""
+    """Which rest states bounded inputs reach."""
 
     model: str
-    #: Whether all rest states near the point are reached from it.
+    #: Whether all rest states near the point are reachable from it.
     answer: Literal["no", "yes", "unknown"]
     #: What a "yes" rests on: "proven" or "evidence".
     proof: str | None = None

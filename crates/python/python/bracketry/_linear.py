@@ -162,7 +162,8 @@ def linearize(
     measurement_noise: Sequence[float] = (),
     horizon: float | None = None,
 ) -> Linearization:
-    """The linear system at the model's point (or `at`), with poles, zeros, ranks, Gramians, margins and gains.
+    """The linear system at the model's point (or `at`), with poles, zeros, ranks, Gramians, distances to
+    uncontrollability and unobservability, and gains.
 
     Weights and noises are diagonals: one number for all, or one each; 1 where none is given.
 

@@ -99,7 +99,8 @@ def simulate(
     duration
         Seconds; with sampled inputs that come with times, the span of these if left out.
     x0
-        Initial state by name, or an array in the order of the states; what is absent comes from the model's point, else 0.
+        Initial state by name, or an array in the order of the states; unnamed states have the values of the
+        model's point, else 0.
     inputs
         Input signals by name: an expression in ``t`` (text or SymPy), a number, a pair (times, values), a
         function of time that is sampled every ``sample`` seconds. Or a table with a column ``t``: a file, a mapping of

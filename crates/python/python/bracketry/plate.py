@@ -82,7 +82,7 @@ class PlateRun(Sampled):
     #: The coordinate that is to be moved: x, y (m) or phi (rad).
     coordinate: Literal["x", "y", "phi"]
     target: float
-    #: Seconds after the start at which 98 % of the way were covered; None if they were not.
+    #: Seconds after the start at which 98 % of the distance were covered; None if they were not.
     reached: float | None
     #: "not flat" where the object has left the plate with its lower face.
     outcome: Literal["reached", "not reached", "stopped", "not flat"]

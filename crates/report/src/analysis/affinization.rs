@@ -94,7 +94,9 @@ pub fn changes(a: &Affinization) -> Vec<String> {
         let (function, inverse) = (z.function.text(), z.inverse.text());
         format!("new state {} = {function} replaces {} = {inverse}", z.name, z.replaces)
     });
-    inputs.chain(states).chain(a.range_notes.iter().map(ToString::to_string)).collect()
+    let no_point = (a.system.point.is_some() && !a.system.point_is_finite())
+        .then(|| "the affine model has no point: at the model's, a new input has no finite value".to_owned());
+    inputs.chain(states).chain(a.range_notes.iter().map(ToString::to_string)).chain(no_point).collect()
 }
 
 /// The reason, and where there is a choice all candidates, numbered from 1, one line each.

@@ -13,7 +13,7 @@ const MOST_ROWS: usize = 60;
 const DRIFT: &str = "the drift f";
 const SWITCHING: &str = "a difference of drifts: switching";
 const SEVERAL: &str = "fields of several inputs";
-const UNNAMED: &str = "a direction at the point; its bracket is not named";
+const UNNAMED: &str = "direction at the point (bracket not listed)";
 const NEVER: &str = "in no bracket";
 
 /// A staircase: each column has the brackets of one length, on top of those that were there before.
@@ -105,10 +105,7 @@ fn staircase(title: &str, d: &Dimensions, n: usize, inputs: &[String]) -> TileGr
         columns.push("none".to_owned());
     }
     let rows = (1..=n).rev().map(|k| k.to_string());
-    let mut grid = TileGrid::new(columns, rows)
-        .title(title)
-        .column_label("length of the bracket [letters]")
-        .row_label("dimension [1]");
+    let mut grid = TileGrid::new(columns, rows).title(title).column_label("bracket length").row_label("dimension");
     let mut below = 0;
     for (k, &dimension) in d.growth.iter().enumerate() {
         for row in below..dimension {
@@ -116,7 +113,7 @@ fn staircase(title: &str, d: &Dimensions, n: usize, inputs: &[String]) -> TileGr
             let label = match (bracket, k) {
                 (Some(bracket), _) => bracket.to_string(),
                 (None, 0) => "a field".to_owned(),
-                (None, _) => format!("{} letters", k + 1),
+                (None, _) => format!("length {}", k + 1),
             };
             grid = grid.tile(k, n - 1 - row, category(bracket, inputs), label);
         }

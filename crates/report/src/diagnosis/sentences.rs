@@ -36,8 +36,8 @@ fn outcome(outcome: &Outcome) -> String {
         ),
         Outcome::Explained => "with the named causes, the residual is at noise level".to_owned(),
         Outcome::PartlyExplained { share, size } => format!(
-            "the named causes explain {} of the excess of the refitted model; the remaining residual, {size:.2} \
-             times the noise, is still structured",
+            "the named causes explain {} of the excess of the refitted model (its squared residual above the noise); \
+             the remaining residual, {size:.2} times the noise, is still structured",
             most(*share)
         ),
         Outcome::NotBorneOut { size, share } => format!(
@@ -131,10 +131,10 @@ pub(super) fn note(note: &Note) -> String {
             )
         }
         Note::MostCauses { causes, allowed } => format!(
-            "the search stopped at the limit of {causes} causes; there may be more: `bracketry diagnose --max-causes {}` searches on",
+            "the search stopped at the limit of {causes} causes; there may be more: `bracketry diagnose --max-causes {}` continues the search",
             2 * allowed
         ),
-        Note::NoPlaces => format!("where the model is wrong cannot be shown: {NO_FORCE}"),
+        Note::NoPlaces => format!("the residual cannot be localized by regime: {NO_FORCE}"),
         Note::NoForceError => format!("no force error: {NO_FORCE}"),
         Note::AtLimit { name, value, without_causes } => format!(
             "{name}{} stopped at its limit, {}: the best value lies there or beyond; widen min or max in the model \
@@ -233,7 +233,7 @@ pub(super) fn closeness(closeness: Closeness) -> String {
             format!("explains these data worse by only {by:.1} units, where {margin} would rule it out")
         }
         Closeness::LittleMore => {
-            "leaves only slightly more unexplained, compared with what no cause explains".to_owned()
+            "fits almost as well; the difference is small compared with the remaining residual".to_owned()
         }
     }
 }

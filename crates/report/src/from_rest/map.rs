@@ -44,7 +44,8 @@ pub fn from_rest_map_text(map: &FromRestMap) -> String {
         }
     }
     if map.reason.is_none() {
-        lines.extend(counts.into_iter().map(|(text, n)| format!("  {n} cells: {text}")));
+        let all = map.cells.iter().flatten().count();
+        lines.extend(counts.into_iter().map(|(text, n)| format!("  {n} of {all} cells: {text}")));
     }
     lines.join("\n") + "\n"
 }
@@ -62,6 +63,15 @@ pub fn from_rest_map_json(map: &FromRestMap) -> Value {
         "reason": map.reason,
         "complete": map.is_complete(),
     })
+}
+
+/// `der(X,2)` as X''.
+fn with_primes(name: &str) -> String {
+    let parts = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')?.rsplit_once(','));
+    match parts.and_then(|(input, order)| Some((input.trim(), order.trim().parse::<usize>().ok()?))) {
+        Some((input, order)) if order <= 3 => format!("{input}{}", "'".repeat(order)),
+        _ => name.to_owned(),
+    }
 }
 
 /// Cells by the coordinates that change.
@@ -84,7 +94,7 @@ pub fn from_rest_map_figure(map: &FromRestMap) -> Result<Drawing, PlotError> {
             row.iter().map(&mut category).collect()
         })
         .collect();
-    let label = |name: &String| format!("largest |{name}|");
+    let label = |name: &String| format!("largest |{}|", with_primes(name));
     let mut figure = RegimeMap::new(label(&map.names[0]), label(&map.names[1]))
         .title(format!("{}: what changes from rest to rest", map.model))
         .cells(map.x.clone(), map.y.clone(), rows)

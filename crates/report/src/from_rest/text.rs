@@ -76,7 +76,7 @@ fn motion(m: Motion) -> &'static str {
 /// The answer, with its reasons.
 pub fn from_rest_text(found: &FromRest) -> String {
     let mut lines = vec![format!("{}: from rest to rest", found.model)];
-    lines.push(format!("are all rest states near the point reached from it: {}", answer(found.answer)));
+    lines.push(format!("are all rest states near the point reachable from it: {}", answer(found.answer)));
     if let Some(reason) = &found.reason {
         lines.push(format!("  {reason}"));
     }
@@ -115,9 +115,9 @@ pub fn from_rest_text(found: &FromRest) -> String {
                     .iter()
                     .zip(&d.change)
                     .filter(|(_, d)| d.abs() > 1e-12)
-                    .map(|(c, d)| format!("{} by {}", c.name, readable(*d)))
+                    .map(|(c, d)| format!("{} changes by {}", c.name, readable(*d)))
                     .collect();
-                let list = if list.is_empty() { "nothing".to_owned() } else { list.join(", ") };
+                let list = if list.is_empty() { "nothing changes".to_owned() } else { list.join(", ") };
                 let when =
                     if d.scale == 1.0 { String::new() } else { format!("in {} of the time: ", readable(d.scale)) };
                 lines.push(format!("    {when}{list}"));
@@ -163,13 +163,13 @@ fn grid_lines(found: &FromRest, grid: &Grid) -> Vec<String> {
         readable(most(|p| p.variation))
     );
     if reach == 0.0 {
-        line += ", more than the margin: the return below tells what is reached";
+        line += ", more than the margin: the return below shows what is reached";
     } else if reach.is_finite() {
         let within =
             found.moving.iter().map(|&c| format!("{} ± {}", found.coordinates[c].name, short(reach * found.sizes[c])));
         line = format!("{line}, and stay positively spanning within {}", within.collect::<Vec<_>>().join(", "));
     } else {
-        line += ", and do not change with the place";
+        line += ", and do not depend on the position";
     }
     let mut lines = vec![line];
     if grid.points.len() > 1 {

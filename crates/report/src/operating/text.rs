@@ -85,7 +85,14 @@ pub fn trim_text(model: &str, trim: &Trim) -> String {
     lines.join("\n") + "\n"
 }
 
+/// Larger tables cannot be read.
+const MAX_ENTRIES: usize = 30;
+
 fn matrix(name: &str, m: &DMatrix<f64>) -> String {
+    if m.ncols().max(m.nrows()) > MAX_ENTRIES {
+        let filled = m.iter().filter(|v| **v != 0.0).count();
+        return format!("  {name} is {} × {}, {filled} entries are not 0 (--json prints them)", m.nrows(), m.ncols());
+    }
     let cells: Vec<Vec<String>> = m.row_iter().map(|r| r.iter().map(|x| readable(*x)).collect()).collect();
     table(name, &cells)
 }
@@ -108,7 +115,7 @@ fn formulas(name: &str, m: &LinearMatrix) -> Option<String> {
     let cells: Vec<Vec<String>> = m.formulas.iter().map(|r| r.iter().map(ToString::to_string).collect()).collect();
     let named = cells.iter().flatten().any(|c| c.parse::<f64>().is_err());
     let short = cells.iter().flatten().all(|c| c.chars().count() <= MAX_FORMULA);
-    (named && short).then(|| table(name, &cells))
+    (named && short && m.values.ncols().max(m.values.nrows()) <= MAX_ENTRIES).then(|| table(name, &cells))
 }
 
 fn complex((re, im): (f64, f64)) -> String {
@@ -127,13 +134,22 @@ fn rank(name: &str, r: Rank) -> String {
     format!("  {name}: rank {} of {}{}", r.rank, r.of, if r.exact { "" } else { " (up to rounding)" })
 }
 
+/// A minimizer is known to about the root of the rounding of the minimum; a smaller imaginary part is not shown.
+const MINIMIZER: f64 = 1e-7;
+
+/// The nearest mode, real where its imaginary part is within the accuracy of the search.
+fn nearest(d: &Distance) -> (f64, f64) {
+    if d.at.1.abs() < MINIMIZER * d.at.0.abs() { (d.at.0, 0.0) } else { d.at }
+}
+
 fn margin(name: &str, d: Option<&Distance>) -> String {
     match d {
+        Some(d) if d.upper == 0.0 => format!("  {name}: 0; the mode is {}", complex(nearest(d))),
         Some(d) => format!(
             "  {name}: between {} and {} in the spectral norm; the nearest mode is {}",
             readable(d.lower),
             readable(d.upper),
-            complex(d.at)
+            complex(nearest(d))
         ),
         None => format!("  {name}: not found, a singular value decomposition did not converge"),
     }

@@ -114,9 +114,10 @@ pub fn parameter_text(report: &ParameterReport) -> String {
 pub(super) fn cell(c: &MapCell) -> String {
     match (c.stabilizable, c.unstable, c.on_axis) {
         (_, 0, 0) => "stable".to_owned(),
-        (true, 0, _) => "stabilizable, eigenvalues on the axis".to_owned(),
-        (true, k, _) => format!("stabilizable, with {k} unstable eigenvalue{}", if k == 1 { "" } else { "s" }),
-        (false, _, _) => format!("not stabilizable, {} uncontrollable", c.uncontrollable),
+        (true, 0, _) => "stabilizable linearization, eigenvalues on the axis".to_owned(),
+        (true, k, _) => format!("stabilizable linearization, {k} unstable eigenvalue{}", if k == 1 { "" } else { "s" }),
+        // An uncontrollable mode of the linearization that does not decay excludes linear feedback alone.
+        (false, _, _) => format!("linearization not stabilizable, {} uncontrollable", c.uncontrollable),
     }
 }
 

@@ -121,7 +121,7 @@ pub(super) fn assumption(assumption: Assumption) -> &'static str {
             "where the amplitude changes, the plate continues without the jump"
         }
         Assumption::StartAtRest => "the object starts at rest on the plate",
-        Assumption::TimeToTarget => "time to target: first time at 98 % of the way",
+        Assumption::TimeToTarget => "time to target: first time at 98 % of the distance",
     }
 }
 

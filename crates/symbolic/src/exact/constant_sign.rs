@@ -41,6 +41,15 @@ impl Pool {
         self.enclosed(e, bindings, Interval::sign)
     }
 
+    /// The value of a constant that is seen to be rational: where simplification gives a number, or it is zero.
+    pub fn constant_rational(&mut self, e: Expr) -> Option<RBig> {
+        let e = self.simplify(e);
+        if let Some(q) = self.number(e) {
+            return Some(q.clone());
+        }
+        (self.constant_sign(e, &Bindings::new()) == Some(Ordering::Equal)).then_some(RBig::ZERO)
+    }
+
     /// The value of a constant as the nearest `f64` or one beside it, whatever cancels; `None` where it has no value, or as for
     /// [`Pool::constant_sign`].
     ///

@@ -21,6 +21,7 @@ mod lower;
 mod lowering;
 mod primes;
 mod program;
+mod regular;
 mod relation;
 mod roots;
 mod surd;
@@ -35,6 +36,7 @@ pub use self::echelon::Echelon;
 pub use self::evaluation::Evaluation;
 pub use self::field::{Fp, Residue, SECOND_OFFSET, THIRD_OFFSET};
 pub use self::field_element::FieldElement;
+pub use self::regular::Irregular;
 
 use self::field::Random;
 use self::lower::{Lowered, lower};

@@ -178,3 +178,15 @@ fn many_inputs_are_no_obstacle_where_few_multiply_each_other() {
     let a = model(&(states.join(" ") + " y"), &names.join(" "), &equations).affinize().unwrap();
     assert_eq!(a.integrators.values().sum::<u32>(), 2);
 }
+
+#[test]
+fn a_point_at_which_a_new_input_has_no_value_is_not_written() {
+    for (e, u, finite) in [("1/u", "0", false), ("log(u)", "0", false), ("1/(u - 1)", "1", false), ("1/u", "2", true)] {
+        let text = format!("states=['x']\ninputs=['u']\n[dynamics]\nx='{e}'\n[point]\nu='{u}'");
+        let affine = System::parse("m", &text).unwrap().affinize().unwrap().system;
+        assert_eq!(affine.point_is_finite(), finite, "{e} at {u}");
+        let written = affine.to_toml().unwrap();
+        assert_eq!(written.contains("[point]"), finite, "{written}");
+        System::parse("written", &written).unwrap();
+    }
+}

@@ -40,16 +40,16 @@ impl Figures {
         let target = |r: &TrialReport| [1e3 * r.trial.target[0], 1e3 * r.trial.target[1]];
         let start = |r: &TrialReport| [1e3 * r.trial.start[0], 1e3 * r.trial.start[1]];
         let maps: [(&str, &str, &str, &Point); 3] = [
-            ("ways", "distance [mm]", "turn [°]", &way),
+            ("distances", "distance [mm]", "turn [°]", &way),
             ("targets", "target x [mm]", "target y [mm]", &target),
             ("starts", "start x [mm]", "start y [mm]", &start),
         ];
         for (map, x_label, y_label, point) in maps {
-            let mut panel = Panel::new(y_label).height(if map == "ways" { 340.0 } else { 440.0 });
+            let mut panel = Panel::new(y_label).height(if map == "distances" { 340.0 } else { 440.0 });
             for series in classes(reports, point) {
                 panel = panel.series(series);
             }
-            let drawing = XyChart::new(x_label, panel).title(format!("{name}: {}", self.what)).draw()?;
+            let drawing = XyChart::new(x_label, panel).title(format!("{}: {}", capitalized(name), self.what)).draw()?;
             self.save(&drawing, &format!("{key}_{map}"))?;
         }
         Ok(())
@@ -116,7 +116,7 @@ impl Figures {
         setup: &TrialSetup,
     ) -> anyhow::Result<()> {
         let trial = &report.trial;
-        let title = format!("{name}, trial {}: {}", trial.index, self.what);
+        let title = format!("{}, trial {}: {}", capitalized(name), trial.index, self.what);
         let t: Vec<f64> = run.samples.iter().map(|s| s.t).collect();
         let line = |name: &str, value: &dyn Fn(usize) -> f64| {
             Series::new(name, t.clone(), (0..t.len()).map(value).collect::<Vec<f64>>())
@@ -188,9 +188,9 @@ fn classes(reports: &[TrialReport], point: &Point) -> Vec<Series> {
     let mut above = 0.0;
     for (below, color) in CLASSES {
         let name = match (above, below) {
-            (0.0, _) => format!("within {below} s"),
-            (_, f64::INFINITY) => format!("after {above} s"),
-            _ => format!("{above} to {below} s"),
+            (0.0, _) => format!("reached within {below} s"),
+            (_, f64::INFINITY) => format!("reached after {above} s"),
+            _ => format!("reached after {above} to {below} s"),
         };
         add(name, color, &|r| r.outcome.time().is_some_and(|t| t > above && t <= below || t == 0.0 && above == 0.0));
         above = below;
@@ -204,9 +204,15 @@ fn classes(reports: &[TrialReport], point: &Point) -> Vec<Series> {
     }
     for (label, color) in labels.iter().zip([Color::VERMILLION, Color::ORANGE, Color::INK, Color::GRAY].iter().cycle())
     {
-        add(format!("not: {label}"), *color, &|r| r.outcome.label() == *label);
+        add(format!("not reached: {label}"), *color, &|r| r.outcome.label() == *label);
     }
     series
+}
+
+/// A name as the first word of a title.
+fn capitalized(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The shape as the plot crate draws it.

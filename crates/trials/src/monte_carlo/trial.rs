@@ -109,9 +109,9 @@ impl TrialOutcome {
         match self {
             Self::Reached { .. } => "reached",
             Self::Missed { at_rest: false, .. } => "plate still moving",
-            Self::Missed { position: false, angle: false, .. } => "position and yaw off",
-            Self::Missed { position: false, .. } => "position off",
-            Self::Missed { .. } => "yaw off",
+            Self::Missed { position: false, angle: false, .. } => "position and yaw error",
+            Self::Missed { position: false, .. } => "position error",
+            Self::Missed { .. } => "yaw error",
             Self::Tipping { .. } => "tipping",
             Self::LiftOff { .. } => "lift-off",
             Self::NotFinite { .. } => "not finite",

@@ -88,7 +88,7 @@ pub(crate) struct PlateArgs {
     /// Restitution of impacts of the body model, 0 to 1 [default: 0]
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     restitution: Option<f64>,
-    /// Where the amplitude changes: world (the plate jumps, the object keeps its place in the inertial frame) or smooth [default: world]
+    /// What happens when the amplitude changes: world (the plate jumps, the object stays fixed in the inertial frame) or smooth [default: world]
     #[arg(long)]
     jumps: Option<String>,
     /// Interval between the rows of the result in seconds [default: 0.002]
