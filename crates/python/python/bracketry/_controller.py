@@ -116,7 +116,7 @@ class Controller:
         return f"Controller(measured={self.measured}, inputs={self.inputs}, period={self.period})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy starts anew: with the problem as it was given, at sample 0."""
+        """A copy starts again: with the problem as it was given, at sample 0."""
         return _remade, self._given
 
     def step(self, y: Sequence[float] | Floats | Mapping[str, float | None], t: float | None = None) -> Step:
