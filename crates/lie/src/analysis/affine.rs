@@ -15,10 +15,12 @@ use crate::analysis::large::{MAX_STATES, large_report};
 use crate::analysis::report::{Effort, ModeReport, Report, SmoothedReport};
 use crate::answer::Answer;
 use crate::budget::{check_analysis, release};
-use crate::controllability::meeting::AtSwitchPoint;
+use crate::controllability::input_values::InputValues;
+use crate::controllability::meeting::{AtSwitchPoint, only_bounded};
 use crate::controllability::occurrence::Occurrence;
 use crate::controllability::point::Vanishing;
 use crate::controllability::point::{PointReport, Regime, Subject, of_smoothed, point_report, regime};
+use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::controllability::switch_point::of_modes;
 use crate::controllability::switched::{AllModes, Invariant, SwitchedReport, switched_report};
 use crate::controllability::uninfluenced::Reach;
@@ -31,7 +33,7 @@ use crate::modes::Signs;
 use crate::modes::{ModeFields, mode_fields};
 use crate::observability::report::{read_functions, report};
 use crate::options::AnalysisOptions;
-use crate::reason::Reason;
+use crate::reason::{Reason, StlcReason};
 use crate::regular::regular_at;
 use crate::undecided::Undecided;
 
@@ -85,7 +87,8 @@ pub fn analyze_affine(system: &System, options: &AnalysisOptions) -> Result<Repo
     }
     let smoothed_report = smoothed.as_ref().map(|s| s.report(options));
     let invariants = together.as_ref().map_or(&[][..], |t| &t.0.invariants);
-    let generic = Generic { modes: &modes, reach: &reach, degree: degree.as_ref(), invariants, first };
+    let over_all = together.as_ref().and_then(|t| t.0.dimensions.accessible_dimension.known().copied());
+    let generic = Generic { modes: &modes, reach: &reach, over_all, degree: degree.as_ref(), invariants, first };
     let at_point = generic.at_point(&mut system, smoothed.as_mut(), options, &mut evidence)?;
     let (of, fields, among) = match &mut smoothed {
         // Smoothed signs have no elementary integrals in general.
@@ -164,6 +167,8 @@ fn static_feedback(
 struct Generic<'a> {
     modes: &'a [ModeFields],
     reach: &'a [Reach],
+    /// Dimension that all modes reach together, where there are several and it is known.
+    over_all: Option<usize>,
     /// Relative degree of a smooth system's outputs.
     degree: Option<&'a RelativeDegree>,
     /// Continuous functions that no mode changes.
@@ -194,6 +199,13 @@ impl Generic<'_> {
             (Ok(Regime::Mode(mode)), _) => {
                 let (pool, fields) = (&mut system.pool, &self.modes[mode].fields);
                 let mut report = point_report(pool, fields, &names, &self.reach[mode], &point, options, evidence);
+                if let Ok(report) = &mut report
+                    && self.modes.len() > 1
+                    && !all_finite(&names, options)
+                {
+                    let same = self.over_all.is_some_and(|d| d < fields.states.len());
+                    report.stlc = near_the_point(report.stlc.clone(), same);
+                }
                 if let (Ok(report), Some(degree)) = (&mut report, self.degree) {
                     let rank = degree.rank_at(pool, fields, &point.states, evidence);
                     report.relative_degree_defined = Some(rank.map(|rank| rank == degree.degrees.len()).into());
@@ -214,6 +226,26 @@ impl Generic<'_> {
             }
             (Err(why), _) => Answer::Unknown(why.into()),
         }))
+    }
+}
+
+/// Whether all inputs have finite ranges.
+fn all_finite(names: &[String], options: &AnalysisOptions) -> bool {
+    let finite =
+        |v: &InputValues| matches!(v, InputValues::Between(lower, upper) if lower.is_finite() && upper.is_finite());
+    names.iter().all(|n| options.ranges.iter().any(|r| r.0 == *n && finite(&r.1)))
+}
+
+/// What the equations of one mode tell of inputs without bounds, which may lead to other modes: a "yes" near the point; a "no" only if the
+/// accessible dimension is too small in all modes together, which `same` says.
+fn near_the_point(stlc: Stlc, same: bool) -> Stlc {
+    match (stlc.verdict, &stlc.reason) {
+        (Verdict::Yes, StlcReason::Jumps) => {
+            Stlc { bounded: stlc.bounded, ..Stlc::inconclusive(StlcReason::Unbounded) }
+        }
+        (Verdict::No, _) if same => stlc,
+        (Verdict::No, _) => only_bounded(BoundedStlc { verdict: Verdict::No, reason: stlc.reason }),
+        _ => stlc,
     }
 }
 

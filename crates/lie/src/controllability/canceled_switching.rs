@@ -33,7 +33,7 @@ pub(crate) struct Canceled {
     transfers: Transfers,
     /// Whether that holds in all modes, so that trajectories may go far.
     far: bool,
-    /// Whether the feedback vanishes at the point, so that small inputs suffice near it, or all inputs have finite ranges.
+    /// Whether the feedback vanishes at the point, so that small inputs suffice near it, or all inputs that it uses have finite ranges.
     small: bool,
     /// Whether the feedback is continuous and vanishes at the point.
     continuous: bool,
@@ -150,6 +150,8 @@ pub(crate) fn canceled(
     });
     let reach = Reach::of(pool, &left, pool.made(), evidence);
     let report = point_report(pool, &left, given.names, &reach, given.point, given.options, evidence)?;
+    let finite = |i: usize| ranges.ends[i].0.is_finite() && ranges.ends[i].1.is_finite();
+    let in_ranges = (0..inputs.len()).all(|i| finite(i) || needed.iter().all(|b| b[i] == 0.0));
     let rests = report.equilibrium == Answer::Known(true);
     let all_free = ranges.free.iter().all(|f| *f);
     Ok(Some(Canceled {
@@ -158,7 +160,7 @@ pub(crate) fn canceled(
             no: all_free || rests && two_sided && vanish,
         },
         far,
-        small: vanish || ranges.bounded(),
+        small: vanish || in_ranges,
         continuous: vanish && is_continuous(pool, adjacent),
         report,
     }))

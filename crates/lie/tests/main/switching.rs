@@ -401,3 +401,30 @@ fn a_rate_that_is_a_multiple_of_a_curved_switching_function_has_one_sign() {
         }
     }
 }
+
+/// Inside a mode, inputs without bounds may lead to another one: its equations say nothing of them.
+#[test]
+fn one_mode_says_nothing_of_inputs_that_lead_to_another() {
+    let judge = |dynamics: &[&str], range: Option<f64>| {
+        let ranges = range.map(|r| ("u".to_owned(), InputValues::Between(-r, r)));
+        let options = AnalysisOptions { ranges: ranges.into_iter().collect(), ..AnalysisOptions::default() };
+        at_point(&analyze_affine(&model("x y", "u", dynamics), &options).unwrap()).stlc.clone()
+    };
+    for (rate, near) in [
+        // One sign in all modes, or another one in a mode far away.
+        ("x^2*max(x + 2, 0)", Verdict::No),
+        ("x^2*abs(x + 1)", Verdict::No),
+        ("x^2*sign(x + 2)", Verdict::No),
+        ("x^2 - 100*max(-x - 2, 0)", Verdict::No),
+        ("max(x - 1, 0) - 100*max(-x - 1, 0)", Verdict::No),
+        ("x^3*abs(x + 1)", Verdict::Yes),
+    ] {
+        let free = judge(&["u", rate], None);
+        assert_eq!(free.verdict == Verdict::Yes, near == Verdict::Yes, "{rate}: {free:?}");
+        assert_ne!(free.verdict, Verdict::No, "{rate}: {free:?}");
+        assert_eq!(free.with_bounded_inputs(), near, "{rate}: {free:?}");
+        assert_eq!(judge(&["u", rate], Some(1.0)).verdict, near, "{rate}");
+    }
+    // No mode moves y.
+    assert_eq!(judge(&["u + abs(x + 1)", "0"], None).verdict, Verdict::No);
+}
