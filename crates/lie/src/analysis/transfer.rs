@@ -142,21 +142,20 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
         point.stlc = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
     }
     let regular = affinization.regular_at_point == Some(true) || is_onto_nearby(affinization, original);
-    let finite = |u: &Symbol| original.input_ranges.iter().any(|r| r.input == *u && r.min.is_some() && r.max.is_some());
-    let far = affinization.input_change.iter().any(|v| v.at_point == AtPoint::Interior)
-        || point.stlc.reason.holds_elsewhere();
-    if point.stlc.verdict == Verdict::Yes && !affinization.input_change.is_empty() && !regular && far {
+    if !affinization.input_change.is_empty() && !regular {
         // Values of the new inputs near those at the point may take old inputs far from theirs.
-        if point.stlc.bounded.is_none() && !original.inputs.iter().all(finite) {
+        let far = affinization.input_change.iter().any(|v| v.at_point == AtPoint::Interior)
+            || point.stlc.reason.holds_elsewhere();
+        let finite =
+            |u: &Symbol| original.input_ranges.iter().any(|r| r.input == *u && r.min.is_some() && r.max.is_some());
+        let unbounded = !original.inputs.iter().all(finite);
+        if point.stlc.verdict == Verdict::Yes && point.stlc.bounded.is_none() && far && unbounded {
             let reason = StlcReason::Withheld(why.clone());
             point.stlc.bounded = Some(BoundedStlc { verdict: Verdict::Inconclusive, reason });
         }
-    }
-    if !affinization.input_change.is_empty()
-        && !regular
-        && let Some(brockett @ Answer::Known(true)) = &mut point.brockett_condition
-    {
-        *brockett = Answer::Unknown(why.clone());
+        if let Some(brockett @ Answer::Known(true)) = &mut point.brockett_condition {
+            *brockett = Answer::Unknown(why.clone());
+        }
     }
     let local = |why: &StabilizableReason| {
         !matches!(
