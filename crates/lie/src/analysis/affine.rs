@@ -15,7 +15,6 @@ use crate::analysis::large::{MAX_STATES, large_report};
 use crate::analysis::report::{Effort, ModeReport, Report, SmoothedReport};
 use crate::answer::Answer;
 use crate::budget::{check_analysis, release};
-use crate::controllability::input_values::InputValues;
 use crate::controllability::meeting::{AtSwitchPoint, only_bounded};
 use crate::controllability::occurrence::Occurrence;
 use crate::controllability::point::Vanishing;
@@ -231,9 +230,7 @@ impl Generic<'_> {
 
 /// Whether all inputs have finite ranges.
 fn all_finite(names: &[String], options: &AnalysisOptions) -> bool {
-    let finite =
-        |v: &InputValues| matches!(v, InputValues::Between(lower, upper) if lower.is_finite() && upper.is_finite());
-    names.iter().all(|n| options.ranges.iter().any(|r| r.0 == *n && finite(&r.1)))
+    names.iter().all(|n| options.ranges.iter().any(|r| r.0 == *n && r.1.finite().is_some()))
 }
 
 /// What the equations of one mode tell of inputs without bounds, which may lead to other modes: a "yes" near the point; a "no" only if the

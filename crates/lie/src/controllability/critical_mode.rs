@@ -43,13 +43,8 @@ pub(crate) fn by_critical_modes(pool: &mut Pool, frame: &Frame) -> Option<Stabil
             let field = expanded(pool, frame, SLOW_DEGREE)?;
             let found = SlowEquilibria::of(&field, m, SLOW_DEGREE)?;
             (found.modes.len() == on_axis && found.attract(m)).then(|| {
-                let states = symbols(pool, &frame.fields.states);
-                let functions = found.modes.iter().map(|w| {
-                    let mode = rational_combination(pool, &states, w);
-                    let mode = pool.simplify(mode);
-                    Function::new(pool, mode)
-                });
-                StabilizableReason::CriticalModes { functions: functions.collect() }
+                let functions = found.modes.iter().map(|w| mode_function(pool, frame, w)).collect();
+                StabilizableReason::CriticalModes { functions }
             })
         }
         _ => None,
@@ -71,11 +66,16 @@ fn by_slow_mode(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
     let ([mode], [rate]) = (&found.modes[..], &found.rates[..]) else { return None };
     let curves = [1, -1].map(|sign| Curve::of(rate, sign, degree, &Rational::ONE));
     let [Some(above), Some(below)] = curves else { return None };
-    let states = symbols(pool, &frame.fields.states);
-    let mode = rational_combination(pool, &states, mode);
-    let mode = pool.simplify(mode);
-    let function = Function::new(pool, mode);
+    let function = mode_function(pool, frame, mode);
     Some(StabilizableReason::CriticalMode { function, orders: [above.order, below.order] })
+}
+
+/// The mode w·x.
+fn mode_function(pool: &mut Pool, frame: &Frame, w: &[Rational]) -> Function {
+    let states = symbols(pool, &frame.fields.states);
+    let mode = rational_combination(pool, &states, w);
+    let mode = pool.simplify(mode);
+    Function::new(pool, mode)
 }
 
 /// Continuous feedback in the plane with one input that moves the state at the point: with a function y that it does not influence,

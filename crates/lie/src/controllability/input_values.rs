@@ -10,6 +10,16 @@ pub enum InputValues {
     Unknown,
 }
 
+impl InputValues {
+    /// The ends of the range where both are finite.
+    pub(crate) fn finite(self) -> Option<(f64, f64)> {
+        match self {
+            InputValues::Between(lower, upper) if lower.is_finite() && upper.is_finite() => Some((lower, upper)),
+            _ => None,
+        }
+    }
+}
+
 /// The side to which an input can move from its value at the point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {

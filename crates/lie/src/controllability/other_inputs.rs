@@ -57,14 +57,14 @@ fn idle(pool: &mut Pool, at: &AtEquilibrium) -> Option<Vec<Vec<Expr>>> {
     let mut choices = vec![vec![zero; at.inputs.len()]];
     for i in (0..at.inputs.len()).filter(|&i| at.inputs[i].iter().all(|v| v.is_zero())) {
         let mut constants = Vec::new();
-        match at.set.values[i] {
-            Some(InputValues::Between(lower, upper)) if lower.is_finite() && upper.is_finite() => {
+        match at.set.values[i].and_then(InputValues::finite) {
+            Some((lower, upper)) => {
                 for place in PLACES {
                     let value = pool.rational(Rational::simplest_from_f64(lower + place * (upper - lower))?);
                     constants.push(pool.sub(value, at.values[i]));
                 }
             }
-            _ => constants.extend(OTHER_VALUES.map(|(p, q)| pool.ratio(p, q))),
+            None => constants.extend(OTHER_VALUES.map(|(p, q)| pool.ratio(p, q))),
         }
         for k in 0..choices.len() {
             for &c in &constants {

@@ -4,7 +4,6 @@ use bracketry_symbolic::{Expr, Function, Pool};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::is_plain_zero;
-use crate::algebra::integrals::search::integrals_of_involutive;
 use crate::answer::Answer;
 use crate::controllability::at_equilibrium::AtEquilibrium;
 use crate::controllability::critical_mode::{by_critical_modes, in_the_plane};
@@ -109,14 +108,7 @@ fn stable_by_itself(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> 
     if spectrum.right > 0 || spectrum.on_axis == 0 {
         return false;
     }
-    let set = Set {
-        fields,
-        point: fields.states.iter().copied().zip(frame.point().iter().copied()).collect(),
-        free: fields.states.clone(),
-        solved: Vec::new(),
-        nonzero: Vec::new(),
-        pivots: Vec::new(),
-    };
+    let set = Set::of(fields, frame.point(), fields.states.clone());
     let (states, equations) = (&fields.states[..], &fields.drift[..]);
     let critical = Critical { set: &set, states, equations, on_axis: spectrum.on_axis };
     matches!(critical.decide(pool, evidence), Some((true, _)))
@@ -173,8 +165,7 @@ fn conserved(pool: &mut Pool, at: &AtEquilibrium, evidence: &mut Evidence) -> Re
     if at.generic[0] == fields.states.len() {
         return Ok(None);
     }
-    let known: Vec<Expr> = fields.controls.iter().chain([&fields.drift]).flatten().copied().collect();
-    let found = integrals_of_involutive(pool, &fields.states, &at.reach.basis, &known, &fields.bindings, evidence)?;
+    let found = fields.autonomous(pool, &at.reach.basis, evidence)?;
     let (variables, offsets) = at.frame.deviations(pool);
     let zero = pool.int(0);
     let origin: FxHashMap<Expr, Expr> = variables.iter().map(|&s| (pool.sym(s), zero)).collect();

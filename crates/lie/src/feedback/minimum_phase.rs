@@ -54,14 +54,7 @@ impl ZeroDynamics {
             let x = pool.sym(s);
             conditions.push(pool.sub(x, value));
         }
-        let set = Set {
-            fields,
-            point: fields.states.iter().copied().zip(point.iter().copied()).collect(),
-            free: self.states.clone(),
-            solved: Vec::new(),
-            nonzero: Vec::new(),
-            pivots: Vec::new(),
-        };
+        let set = Set::of(fields, point, self.states.clone());
         for c in conditions {
             match set.vanishes_at_point(pool, c, evidence) {
                 Some(true) => {}

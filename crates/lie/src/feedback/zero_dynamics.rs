@@ -43,14 +43,7 @@ impl VectorFields {
         evidence: &mut Evidence,
     ) -> Result<ZeroDynamics, NoZeroDynamics> {
         let first = pool.len();
-        let mut set = Set {
-            fields: self,
-            point: self.states.iter().copied().zip(point.iter().copied()).collect(),
-            free: self.states.clone(),
-            solved: Vec::new(),
-            nonzero: Vec::new(),
-            pivots: Vec::new(),
-        };
+        let mut set = Set::of(self, point, self.states.clone());
         let mut constraints = outputs.to_vec();
         // Every round takes a coordinate away.
         loop {
@@ -90,6 +83,14 @@ fn affine(pool: &mut Pool, a: Expr, b: &[Expr], inputs: &[Expr]) -> Expr {
         total = pool.add(total, term);
     }
     total
+}
+
+impl<'a> Set<'a> {
+    /// With these free coordinates and nothing solved for, at `point` (one constant expression per state of `fields`).
+    pub(crate) fn of(fields: &'a VectorFields, point: &[Expr], free: Vec<Symbol>) -> Self {
+        let point = fields.states.iter().copied().zip(point.iter().copied()).collect();
+        Set { fields, point, free, solved: Vec::new(), nonzero: Vec::new(), pivots: Vec::new() }
+    }
 }
 
 impl Set<'_> {
