@@ -8,6 +8,7 @@ pub(crate) mod linear_model;
 pub(crate) mod linearize;
 pub(crate) mod solver;
 pub(crate) mod trim;
+mod vanishing;
 
 pub use gains::{Gain, Gramians, NoGain};
 pub use linear_model::{LinearMatrix, LinearModel, NotLinearizable, Rest};

@@ -1,15 +1,11 @@
 //! Equilibria and operating points.
 
-use std::cmp::Ordering;
-
-use bracketry_symbolic::{Bindings, Expr, Function, Pool, Rational, Symbol, Tape};
+use bracketry_symbolic::{Expr, Function, Pool, Rational, Symbol, Tape};
 use bracketry_system::{Point, System};
 use nalgebra::DVector;
 use serde::Serialize;
 
-use crate::algebra::combination::rational_combination;
 use crate::operating::confirm::confirmed;
-use crate::operating::elimination::combinations;
 use crate::operating::equations::Equations;
 use crate::operating::solver::{Found, is_one_of_a_set, nearest, solve};
 
@@ -179,14 +175,7 @@ pub enum TrimError {
 }
 
 /// A point nearer to a solution than this, relative to its size, differs from it by rounding.
-const ROUNDING: f64 = 1e-6;
-
-/// Distances, relative to its size, from a point within which all equations vanish at a solution: a multiple one is found to lower
-/// accuracy.
-const CLEAR: [f64; 3] = [1e-7, 1e-5, 1e-3];
-
-/// A value at a solution is below this part of the values at the largest of these distances.
-const SMALL: f64 = 0.1;
+pub(super) const ROUNDING: f64 = 1e-6;
 
 /// Solutions nearer to each other than this are one.
 const SAME: f64 = 1e-5;
@@ -248,12 +237,12 @@ pub fn trim(system: &System, options: &TrimOptions) -> Result<Trim, TrimError> {
     Ok(found)
 }
 
-struct Search<'a> {
+pub(super) struct Search<'a> {
     system: &'a System,
-    equations: Equations,
+    pub(super) equations: Equations,
     /// The equations as expressions of the free variables, parameters at their values.
-    exact: (Pool, Vec<Expr>),
-    free: Vec<Symbol>,
+    pub(super) exact: (Pool, Vec<Expr>),
+    pub(super) free: Vec<Symbol>,
     roles: Vec<TrimRole>,
     /// States, then inputs, where the search starts.
     start: Vec<f64>,
@@ -371,55 +360,8 @@ impl<'a> Search<'a> {
         Trim { status, states, inputs, derivatives, residual: chosen.residual, exact: is_exact, notes, others }
     }
 
-    /// Whether all equations vanish there: each, or a [combination](combinations) of them, changes its sign within a short step along its
-    /// gradient, or vanishes exactly, as at a multiple solution. What only tends to 0, as e^−x does, has one sign. Where signs are not
-    /// known, the first-order approximation tells.
-    fn is_solution(&mut self, found: &Found) -> bool {
-        let (f, slopes) = (self.equations.value(&found.z), self.equations.jacobian(&found.z));
-        let mut all_small = true;
-        let vanish = combinations(&slopes).iter().all(|c| {
-            let slope = c.gradient.norm();
-            let combination = self.combination(&c.weights);
-            // A jump changes the sign, too, but its values do not become small.
-            let far = &c.gradient * (CLEAR[2] * (1.0 + found.z.norm()) / slope.max(f64::MIN_POSITIVE));
-            let ends = [&found.z - &far, &found.z + &far].map(|z| c.weights.dot(&self.equations.value(&z)).abs());
-            let value = c.weights.dot(&f).abs();
-            let is_small = value <= SMALL * ends[0].max(ends[1]);
-            all_small &= is_small || value <= ROUNDING;
-            CLEAR.into_iter().any(|clear| {
-                let length = clear * (1.0 + found.z.norm());
-                let step = &c.gradient * (length / slope.max(f64::MIN_POSITIVE));
-                match [&found.z - &step, found.z.clone(), &found.z + &step].map(|z| self.sign(combination, &z)) {
-                    [_, Some(Ordering::Equal), _] => true,
-                    [Some(before), _, Some(after)] => is_small && before != after,
-                    // Beside the end of a domain, as of a root.
-                    [None, Some(here), Some(beside)] | [Some(beside), Some(here), None] => is_small && here != beside,
-                    [None, Some(_), None] => false,
-                    _ => is_small && slope > 0.0 && value <= slope * length,
-                }
-            })
-        });
-        vanish || all_small && self.confirmed(found, 1e-3).is_some()
-    }
-
-    /// The equations with these factors as one expression.
-    fn combination(&mut self, weights: &DVector<f64>) -> Expr {
-        let weights: Vec<Rational> = weights.iter().map(|&w| Rational::try_from(w).unwrap_or(Rational::ZERO)).collect();
-        let (pool, equations) = &mut self.exact;
-        rational_combination(pool, equations, &weights)
-    }
-
-    /// The sign of an expression of the free variables; `None` where it is not known.
-    fn sign(&mut self, expression: Expr, z: &DVector<f64>) -> Option<Ordering> {
-        let mut values = Bindings::new();
-        for (&s, &z) in self.free.iter().zip(z.iter()) {
-            values.bind(s, Rational::try_from(z).ok()?);
-        }
-        self.exact.0.constant_sign(expression, &values)
-    }
-
     /// Exact values of all variables, in the pool of `exact`.
-    fn confirmed(&mut self, found: &Found, slack: f64) -> Option<Vec<Expr>> {
+    pub(super) fn confirmed(&mut self, found: &Found, slack: f64) -> Option<Vec<Expr>> {
         let (pool, equations) = &mut self.exact;
         let free = confirmed(pool, equations, &self.free, found.z.as_slice(), slack)?;
         let mut free = free.into_iter();

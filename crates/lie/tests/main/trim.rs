@@ -180,6 +180,43 @@ fn equations_that_hold_elsewhere_do_not_help_one_that_never_holds() {
     assert_eq!(t.status, TrimStatus::Found, "{t:?}");
 }
 
+/// Beside what another equation makes zero, times any factor, only the rest counts: whether it has a zero, whether it only tends to one far
+/// out, has a kink just above zero, or ends there.
+#[test]
+fn factors_of_other_equations_do_not_hide_what_is_left() {
+    for other in ["z - 3*x", "z - x/3", "1e6*(z - x)"] {
+        for factor in ["sqrt(3)", "1/3", "-pi", "5"] {
+            for (rest, possible) in [
+                ("exp(-x^2)", false),
+                ("1 - tanh(x)", false),
+                ("abs(x - 1/3) + 1e-6", false),
+                ("abs(x - 1/3) + 1e-12", false),
+                ("sqrt(x) + 1e-6", false),
+                ("x^2 + 1e-8", false),
+                ("abs(x - 1/3) - 1e-6", true),
+                ("exp(-x) - 1/1000", true),
+                ("(x - 1/7)^2", true),
+                ("x^3 - 2", true),
+            ] {
+                // The search itself ends early where slopes differ by a factor of a million.
+                if possible && other.starts_with("1e6") {
+                    continue;
+                }
+                let text = format!(
+                    "states = ['x', 'z']\ndynamics = {{ x = '{rest} + ({factor})*({other})', z = '{other}' }}\n[point]\nx = 1\n"
+                );
+                let t = searched(&text, &[], &[], &[]);
+                assert_eq!(t.status == TrimStatus::Found, possible, "{text}: {t:?}");
+            }
+        }
+    }
+    // A kink is beside the solution.
+    for gap in ["1e-9", "1e-11", "1/3"] {
+        let t = searched(&format!("states = ['x']\ndynamics = {{ x = 'abs(x) - {gap}' }}\n"), &[], &[], &[]);
+        assert_eq!(t.status, TrimStatus::Found, "{gap}: {t:?}");
+    }
+}
+
 /// Where an equation jumps from one sign to the other, it does not vanish.
 #[test]
 fn a_jump_is_no_equilibrium() {
