@@ -1,6 +1,6 @@
 //! The linear system around a point, as formulas and as numbers.
 
-use bracketry_symbolic::{Bindings, Expr, Function, Node, Pool, Symbol, Tape};
+use bracketry_symbolic::{Bindings, Evaluation, Expr, Function, Node, Pool, Symbol, Tape};
 use bracketry_system::{Point, System};
 use nalgebra::DMatrix;
 use rustc_hash::FxHashMap;
@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::zeros::Quadruple;
 use crate::regular::regular_at;
+use crate::residues::Fp;
 
 /// A matrix of a linear system.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,6 +72,9 @@ pub struct LinearModel {
     /// A, B, C, D where all entries are rational.
     #[serde(skip)]
     pub(crate) rational: Option<[RationalMatrix; 4]>,
+    /// A, B, C modulo the prime, in one frame, where all entries are constants that have values there.
+    #[serde(skip)]
+    pub(crate) residues: Option<[Vec<Vec<Fp>>; 3]>,
 }
 
 impl LinearModel {
@@ -113,6 +117,9 @@ pub enum NotLinearizable {
 /// Sizes below this, relative to the terms of an equation, are rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// Rows of a matrix of constants.
+type Constants = Vec<Vec<Expr>>;
+
 /// What the entries of the matrices are formed of.
 struct Frame {
     system: System,
@@ -147,20 +154,22 @@ impl LinearModel {
         let states_are_outputs = original.outputs.is_empty();
         let output_rows: Vec<Expr> =
             if states_are_outputs { states.iter().map(|&x| frame.system.pool.sym(x)).collect() } else { outputs };
-        let mut exact = Vec::new();
+        let mut entries = Vec::new();
         let mut make = |rows: &[Expr], by: &[Symbol], first: usize| -> Result<LinearMatrix, NotLinearizable> {
-            let (matrix, rational) = frame.matrix(rows, by).map_err(|(i, j)| NotLinearizable::NotFinite {
+            let (matrix, constants) = frame.matrix(rows, by).map_err(|(i, j)| NotLinearizable::NotFinite {
                 of: of(i + first),
                 by: original.symbol_name(by[j]).to_owned(),
             })?;
-            exact.push(rational);
+            entries.push(constants);
             Ok(matrix)
         };
-        let n = states.len();
+        let (n, m) = (states.len(), inputs.len());
         let (a, b) = (make(&dynamics, &states, 0)?, make(&dynamics, &inputs, 0)?);
         let (c, d) = (make(&output_rows, &states, n)?, make(&output_rows, &inputs, n)?);
         let rest = frame.rest(&dynamics, &a.values);
-        let rational = exact.into_iter().collect::<Option<Vec<_>>>().and_then(|list| list.try_into().ok());
+        let rational = entries.iter().zip([n, m, n, m]).map(|(rows, columns)| frame.rational(rows, columns));
+        let rational = rational.collect::<Option<Vec<_>>>().and_then(|list| list.try_into().ok());
+        let residues = frame.residues(&entries[..3]).and_then(|list| list.try_into().ok());
         let outputs = if states_are_outputs {
             original.state_names()
         } else {
@@ -179,6 +188,7 @@ impl LinearModel {
             c,
             d,
             rational,
+            residues,
         })
     }
 }
@@ -254,13 +264,8 @@ impl Frame {
     }
 
     /// The Jacobian at the point; the entry that has no finite value otherwise.
-    fn matrix(
-        &mut self,
-        rows: &[Expr],
-        by: &[Symbol],
-    ) -> Result<(LinearMatrix, Option<RationalMatrix>), (usize, usize)> {
-        let mut formulas = Vec::new();
-        let mut exact = Vec::new();
+    fn matrix(&mut self, rows: &[Expr], by: &[Symbol]) -> Result<(LinearMatrix, Constants), (usize, usize)> {
+        let (mut formulas, mut constants) = (Vec::new(), Vec::new());
         let mut values = DMatrix::zeros(rows.len(), by.len());
         for (i, &e) in rows.iter().enumerate() {
             let gradient = self.system.pool.gradient(e, by);
@@ -285,11 +290,29 @@ impl Frame {
                     values[(i, j)] = value;
                 }
             }
-            exact.push(with_values.iter().map(|&e| self.system.pool.number(e).cloned()).collect::<Option<Vec<_>>>());
             formulas.push(Function::list(&self.system.pool, &here));
+            constants.push(with_values);
         }
-        let exact = exact.into_iter().collect::<Option<Vec<_>>>().map(|rows| RationalMatrix::new(rows, by.len()));
-        Ok((LinearMatrix { formulas, values }, exact))
+        Ok((LinearMatrix { formulas, values }, constants))
+    }
+
+    /// A matrix of constants with `columns` columns, where all are rational.
+    fn rational(&self, rows: &[Vec<Expr>], columns: usize) -> Option<RationalMatrix> {
+        let number = |&e: &Expr| self.system.pool.number(e).cloned();
+        let rows: Option<Vec<Vec<_>>> = rows.iter().map(|row| row.iter().map(number).collect()).collect();
+        rows.map(|rows| RationalMatrix::new(rows, columns))
+    }
+
+    /// Matrices of constants modulo the prime.
+    fn residues(&mut self, matrices: &[Constants]) -> Option<Vec<Vec<Vec<Fp>>>> {
+        let pool = &mut self.system.pool;
+        let all = matrices.concat().concat();
+        // At a point that is known to rounding only, entries are no constants.
+        if !pool.symbols_of(&all).is_empty() {
+            return None;
+        }
+        let mut values = pool.evaluate(&mut Evaluation::new(Bindings::new()), &all).ok()?.values.pop()?.into_iter();
+        Some(matrices.iter().map(|m| m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect()).collect())
     }
 
     fn rest(&mut self, dynamics: &[Expr], a: &DMatrix<f64>) -> Rest {

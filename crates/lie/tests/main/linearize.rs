@@ -85,15 +85,39 @@ fn ranks_and_poles_survive_changes_of_coordinates() {
         let lambda = DMatrix::from_fn(n, n, |i, j| if i == j { poles[i] as f64 } else { 0.0 });
         let a = &inverse * lambda * &t;
         let b = &inverse * DMatrix::from_fn(n, 1, |i, _| f64::from(u8::from(reached[i])));
-        let mut text = format!(
-            "states = [{}]\ninputs = ['u']\n[dynamics]\n",
-            (0..n).map(|i| format!("'x{i}'")).collect::<Vec<_>>().join(",")
-        );
-        for i in 0..n {
-            let terms: Vec<String> = (0..n).map(|j| format!("({})*x{j}", a[(i, j)].round())).collect();
-            let _ = writeln!(text, "x{i} = '{} + ({})*u'", terms.join(" + "), b[(i, 0)].round());
-        }
+        let seen: Vec<bool> = (0..n).map(|_| random(3) > 0).collect();
+        let c = DMatrix::from_fn(1, n, |_, i| f64::from(u8::from(seen[i]))) * &t;
+        // States in units that are 1, or irrational.
+        let written = |units: &[&str]| {
+            let mut text = format!(
+                "states = [{}]\ninputs = ['u']\n[dynamics]\n",
+                (0..n).map(|i| format!("'x{i}'")).collect::<Vec<_>>().join(",")
+            );
+            let unit = |i: usize| units[i % units.len()];
+            for i in 0..n {
+                let terms: Vec<String> =
+                    (0..n).map(|j| format!("({})*{}/{}*x{j}", a[(i, j)].round(), unit(i), unit(j))).collect();
+                let _ = writeln!(text, "x{i} = '{} + ({})*{}*u'", terms.join(" + "), b[(i, 0)].round(), unit(i));
+            }
+            let terms: Vec<String> = (0..n).map(|j| format!("({})/{}*x{j}", c[(0, j)].round(), unit(j))).collect();
+            let _ = writeln!(text, "[outputs]\ny = '{}'", terms.join(" + "));
+            text
+        };
+        let text = written(&["1"]);
         let r = analyzed(&text);
+        let irrational = analyzed(&written(&["sqrt(2)", "cos(1/5)", "exp(1/3)", "(sqrt(3)*pi)", "log(7)"]));
+        assert_eq!(irrational.controllability, r.controllability, "{case}: {text}");
+        assert_eq!(irrational.observability, r.observability, "{case}: {text}");
+        for (rank, distance) in [
+            (r.controllability, irrational.distance_to_uncontrollable.unwrap()),
+            (r.observability, irrational.distance_to_unobservable.unwrap()),
+        ] {
+            assert!(rank.exact && (rank.rank < n) == (distance.upper == 0.0), "{case}: {rank:?} {distance:?}");
+        }
+        let mut visible: Vec<i64> = poles.iter().zip(&seen).filter(|(_, s)| **s).map(|(p, _)| *p).collect();
+        visible.sort_unstable();
+        visible.dedup();
+        assert_eq!(r.observability.rank, visible.len(), "{case}: {text}");
         let mut distinct: Vec<i64> = poles.iter().zip(&reached).filter(|(_, r)| **r).map(|(p, _)| *p).collect();
         distinct.sort_unstable();
         distinct.dedup();
