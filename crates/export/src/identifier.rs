@@ -38,27 +38,3 @@ pub(crate) fn camel_case(name: &str) -> String {
     // The modules that every Julia module sees.
     if matches!(camel.as_str(), "Base" | "Core" | "Main") { format!("{camel}Model") } else { camel }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{camel_case, checked, identifier};
-
-    #[test]
-    fn models_of_any_name_have_an_identifier() {
-        let names = ["cart_pole", "models/Cart-pole 2.toml", "θ", "2nd", "", "a.b", "System(model)"];
-        assert_eq!(
-            names.map(identifier),
-            ["cart_pole", "cart_pole_2", "model", "model_2nd", "model", "a_b", "system_model"]
-        );
-        assert_eq!(["cart_pole_2", "base", "a__b"].map(camel_case), ["CartPole2", "BaseModel", "AB"]);
-    }
-
-    #[test]
-    fn only_identifiers_are_taken() {
-        assert_eq!(checked("Arm_2"), Ok("Arm_2".to_owned()));
-        for bad in ["", "2a", "_a", "a-b", "ä", "a b"] {
-            let refused = checked(bad).is_err_and(|e| e.to_string().contains("start with a letter"));
-            assert!(refused, "{bad}");
-        }
-    }
-}

@@ -219,20 +219,3 @@ fn derivative(polynomial: &[f64], k: usize, s: f64) -> f64 {
     let term = |i: usize| ((i + 1 - k)..=i).map(|j| j as f64).product::<f64>() * polynomial[i] * s.powi((i - k) as i32);
     (k..polynomial.len()).map(term).sum()
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::{derivative, hermite};
-
-    #[test]
-    fn the_polynomial_has_the_derivatives_of_both_ends() {
-        let (start, end, duration) = ([0.3, -1.0, 2.0], [1.5, 0.2, -0.7], 1.7);
-        let p = hermite(&start, &end, duration).unwrap();
-        for k in 0..3 {
-            let scale = f64::powi(duration, k as i32);
-            assert!((derivative(&p, k, 0.0) / scale - start[k]).abs() < 1e-13);
-            assert!((derivative(&p, k, 1.0) / scale - end[k]).abs() < 1e-12);
-        }
-    }
-}

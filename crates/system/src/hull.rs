@@ -112,22 +112,3 @@ fn hull_comes_near(points: &[Vec<f64>], target: &[f64], near: f64) -> bool {
     }
     false
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_origin_is_inside_only_if_points_lie_on_all_sides() {
-        let square = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|p| p.to_vec());
-        assert!(surrounds_origin(&square));
-        // At the edge and outside.
-        let shifted = square.clone().map(|p| vec![p[0] + 1.0, p[1]]);
-        assert!(!surrounds_origin(&shifted));
-        // All coordinates take both signs, and yet all points lie on one side of x + y = 0.1.
-        let side = [[1.0, -0.5], [-0.5, 1.0], [1.0, 1.0], [0.1, 0.0]].map(|p| p.to_vec());
-        assert!(!surrounds_origin(&side));
-        let flat = [[1.0, 1.0], [-1.0, -1.0]].map(|p| p.to_vec());
-        assert!(!surrounds_origin(&flat));
-    }
-}

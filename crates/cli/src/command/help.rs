@@ -73,20 +73,3 @@ pub(crate) const UNITS: (&str, &str) = (
     "Units",
     "Time is in seconds. All other quantities are in the units of the model file (SI and radians in the models shipped).",
 );
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_example_is_broken_before_options_where_it_is_long() {
-        assert_eq!(on_lines("bracketry new mass --out out"), "bracketry new mass --out out");
-        let long = "bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out";
-        let lines = on_lines(long);
-        assert!(lines.lines().count() == 2 && lines.lines().all(|line| line.len() <= EXAMPLE_COLUMNS + 4), "{lines}");
-        assert_eq!(
-            lines.replace('\\', "").split_whitespace().collect::<Vec<_>>(),
-            long.split_whitespace().collect::<Vec<_>>()
-        );
-    }
-}

@@ -37,17 +37,3 @@ fn colored(text: &str) -> String {
     }
     out
 }
-
-#[cfg(test)]
-mod tests {
-    use super::colored;
-
-    #[test]
-    fn marks_and_remedies_are_colored_and_nothing_else() {
-        let text = "m.toml:1:2: unknown name `w`\n   | v = w\n   |     ^\n   = declare it";
-        let shown = colored(text);
-        assert_eq!(anstream::adapter::strip_str(&shown).to_string(), text);
-        let lines: Vec<bool> = shown.lines().map(|l| l.contains('\u{1b}')).collect();
-        assert_eq!(lines, [false, false, true, true]);
-    }
-}

@@ -48,6 +48,66 @@ fn every_command_has_help_with_examples() {
     }
 }
 
+/// A long example is broken before options, only where it must be, and reads as one command: no terminal of 80 columns wraps it.
+#[test]
+fn examples_are_broken_before_options_where_they_are_long() {
+    let mut broken = Vec::new();
+    let stiffness = ["identify", "poses", "weigh", "compensate"].map(|name| vec!["stiffness", name]);
+    for name in COMMANDS.map(|name| vec![name]).into_iter().chain(stiffness) {
+        let help = text(&bracketry(&[name.as_slice(), &["--help"]].concat()).stdout);
+        let mut lines = help.lines();
+        let mut count = 0;
+        while let Some(first) = lines.next() {
+            if !first.starts_with("    bracketry ") {
+                continue;
+            }
+            count += 1;
+            let mut command = vec![first.trim()];
+            while let Some(part) = command[command.len() - 1].strip_suffix(" \\") {
+                *command.last_mut().unwrap() = part;
+                let next = lines.next().unwrap();
+                assert!(next.starts_with("      --"), "{first}: {next}");
+                command.push(next.trim());
+            }
+            // What has no option in it has no place for a break.
+            assert!(command.iter().all(|part| part.len() <= 74 || !part.contains(" --")), "{command:?}");
+            for pair in command.windows(2) {
+                let option = pair[1].split(" --").next().unwrap();
+                assert!(pair[0].len() + 1 + option.len() + 2 > 74, "{pair:?} would fit");
+            }
+            if command.len() > 1 {
+                broken.push(command.join(" "));
+            }
+        }
+        assert!(count > 0, "{name:?}: {help}");
+    }
+    let long = "bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out";
+    assert!(broken.iter().any(|command| command == long), "{broken:?}");
+}
+
+#[test]
+fn marks_and_remedies_are_colored_and_nothing_else() {
+    let dir = scratch("colored");
+    let model = file(&dir, "m.toml", "states = ['v']\ninputs = ['u']\n[dynamics]\nv = 'u + w'\n");
+    let run = |variable: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bracketry"));
+        command.args(["analyze", &model]).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE").env(variable, "1");
+        text(&command.output().unwrap().stderr)
+    };
+    let (plain, shown) = (run("NO_COLOR"), run("CLICOLOR_FORCE"));
+    // Without what switches colors, ESC [ … m, the text is the same.
+    let stripped: String =
+        shown.split('\u{1b}').enumerate().map(|(k, s)| if k == 0 { s } else { s.split_once('m').unwrap().1 }).collect();
+    assert_eq!(stripped, plain);
+    assert!(plain.lines().any(|l| l.contains('^')) && plain.lines().any(|l| l.starts_with("   = ")), "{plain}");
+    for (shown, plain) in shown.lines().zip(plain.lines()) {
+        // The word "error:" has a color of its own.
+        let shown = if plain.starts_with("error:") { shown.split_once(' ').unwrap().1 } else { shown };
+        let mark = plain.strip_prefix("   | ").is_some_and(|l| l.chars().all(|c| c == ' ' || c == '^'));
+        assert_eq!(shown.contains('\u{1b}'), mark || plain.starts_with("   = "), "{shown:?}");
+    }
+}
+
 #[test]
 fn nothing_is_colored_but_where_it_is_asked_for() {
     let run = |variable: Option<&str>, arguments: &[&str]| {

@@ -144,6 +144,14 @@ fn what_a_peer_sends_wrong_is_refused_and_changes_nothing() {
             ),
             (json!({"type": "set", "bounds": {"a": [-0.1, 0.1]}, "targets": {"x": 1}}).to_string(), "name"),
             ("[".repeat(10_000), "json"),
+            ("[1, 2]".to_owned(), "json"),
+            ("{\"y\": [1,".to_owned(), "json"),
+            (json!({"y": [1], "z": 2}).to_string(), "message"),
+            (json!({"y": "1"}).to_string(), "message"),
+            (json!({}).to_string(), "message"),
+            (json!({"type": 3}).to_string(), "message"),
+            (json!({"type": "jump"}).to_string(), "message"),
+            (json!({"type": "end", "y": [1]}).to_string(), "message"),
             (json!({"type": "hello", "protocol": 99}).to_string(), "protocol"),
             (format!("{{\"y\": [{}]}}", "1,".repeat(1 << 20)), "json"),
         ];
@@ -160,6 +168,54 @@ fn what_a_peer_sends_wrong_is_refused_and_changes_nothing() {
         }
         assert_eq!(liar.ask(&message)["u"], honest.ask(&message)["u"], "sample {k}");
     }
+}
+
+/// What some languages write in place of numbers that JSON does not have: it is no measurement, no time, and as a bound what it says.
+#[test]
+fn numbers_that_are_not_finite_are_read_as_they_are() {
+    let dir = scratch("live_not_finite");
+    let mut peer = Peer::start(&problem(&dir), &[]);
+    for y in ["null", "NaN", "nan", "Infinity", "-Infinity", "\"NaN\"", "\"Infinity\"", "\"-Infinity\""] {
+        peer.send(&format!("{{\"y\": [1.5, {y}]}}"));
+        let answer = peer.receive();
+        assert_eq!((&answer["type"], &answer["reason"]), (&"input".into(), &"measurement".into()), "{y}: {answer}");
+    }
+    for (line, code) in [
+        ("{\"y\": [1.5, 0], \"t\": nan}", "time"),
+        ("{\"type\": \"set\", \"bounds\": {\"a\": [\"Infinity\", null]}}", "value"),
+        ("{\"type\": \"set\", \"bounds\": {\"a\": [null, \"-Infinity\"]}}", "value"),
+    ] {
+        peer.send(line);
+        assert_eq!(peer.receive()["code"], code, "{line}");
+    }
+    for bounds in ["[-Infinity, Infinity]", "[\"-Infinity\", \"Infinity\"]", "[null, Infinity]"] {
+        peer.send(&format!("{{\"type\": \"set\", \"bounds\": {{\"a\": {bounds}}}}}"));
+        assert_eq!(peer.receive()["type"], "done", "{bounds}");
+    }
+    // In quotes, it is a name.
+    peer.send("{\"y\": {\"NaN\": NaN}}");
+    let refused = peer.receive();
+    assert_eq!(refused["code"], "name");
+    assert!(refused["message"].as_str().unwrap().contains("`NaN`"), "{refused}");
+}
+
+#[test]
+fn long_and_broken_lines_do_not_hide_those_that_follow() {
+    let dir = scratch("live_lines");
+    let mut peer = Peer::start(&problem(&dir), &[]);
+    let mut lines = vec![b'x'; 3 << 20];
+    lines.extend(b"\n\xff\xfe\n\n \n{\"y\": [1, 0]}\n{\"y\": [0.9, 0]}");
+    peer.to.take().unwrap().write_all(&lines).unwrap();
+    for part in ["longer than 1 MiB", "not UTF-8"] {
+        let refused = peer.receive();
+        assert_eq!((&refused["type"], &refused["code"]), (&"error".into(), &"json".into()));
+        assert!(refused["message"].as_str().unwrap().contains(part), "{refused}");
+    }
+    for sample in 0..2 {
+        let answer = peer.receive();
+        assert_eq!((&answer["type"], &answer["sample"]), (&"input".into(), &sample.into()));
+    }
+    assert_eq!(peer.receive()["reason"], "closed");
 }
 
 #[test]

@@ -81,14 +81,3 @@ pub(crate) fn literal(text: &str) -> String {
     }
     out + "\""
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{literal, plain};
-
-    #[test]
-    fn no_text_of_a_model_leaves_its_comment_or_literal() {
-        assert_eq!(plain("m*/ f /* g\n#include \u{202e}x "), "m* / f / * g #include  x");
-        assert_eq!(literal("a\"b\\\n"), "\"a\\\"b\\\\ \"");
-    }
-}

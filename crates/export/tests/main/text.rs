@@ -212,3 +212,60 @@ end # module Pendulum
 ";
     assert_eq!(made.single, expected);
 }
+
+/// The block with another name.
+fn named(name: &str) -> System {
+    let mut system = block();
+    name.clone_into(&mut system.name);
+    system
+}
+
+#[test]
+fn models_of_any_name_have_an_identifier() {
+    for (name, identifier) in [
+        ("cart_pole", "cart_pole"),
+        ("models/Cart-pole 2.toml", "cart_pole_2"),
+        ("θ", "model"),
+        ("2nd", "model_2nd"),
+        ("", "model"),
+        ("a.b", "a_b"),
+        ("System(model)", "system_model"),
+    ] {
+        let made = export(&named(name), &ExportOptions::new(Target::C)).unwrap();
+        assert_eq!(made.name, identifier, "{name}");
+        assert_eq!(made.files[0].name.split('.').next(), Some(identifier));
+    }
+    // The modules of Julia, none of which every other one sees.
+    for (name, module) in [("cart_pole_2", "CartPole2"), ("base", "BaseModel"), ("a__b", "AB")] {
+        let options = ExportOptions { name: Some(name.to_owned()), ..ExportOptions::new(Target::Julia) };
+        let text = export(&block(), &options).unwrap().files[0].text.clone();
+        assert!(text.contains(&format!("\nmodule {module}\n")), "{name}: {text}");
+    }
+}
+
+#[test]
+fn only_identifiers_are_taken() {
+    let made =
+        |name: &str| export(&block(), &ExportOptions { name: Some(name.to_owned()), ..ExportOptions::new(Target::C) });
+    assert_eq!(made("Arm_2").unwrap().name, "Arm_2");
+    for bad in ["", "2a", "_a", "a-b", "ä", "a b"] {
+        let refused = made(bad).is_err_and(|e| e.to_string().contains("start with a letter"));
+        assert!(refused, "{bad}");
+    }
+}
+
+#[test]
+fn no_text_of_a_model_leaves_its_comment_or_literal() {
+    let mut system = named("m*/ f /* g\n#include \u{202e}x ");
+    let about = system.parameters.iter_mut().find(|p| p.about.is_some()).unwrap();
+    about.about = Some("of it \t".to_owned());
+    let y = system.dynamics[0];
+    system.outputs = vec![("a\"b\\\n".to_owned(), y)];
+    for target in Target::ALL {
+        let files = export(&system, &ExportOptions::new(target)).unwrap().files;
+        let text: String = files.into_iter().map(|f| f.text).collect();
+        assert!(text.contains("Model m* / f / * g #include  x : dx/dt = f(t, x, u)"), "{target}: {text}");
+        assert!(text.contains("  m = 2.0 kg, of it\n"), "{target}: {text}");
+        assert!(text.contains("\"a\\\"b\\\\ \""), "{target}: {text}");
+    }
+}

@@ -123,33 +123,3 @@ pub fn animation(gif: &[u8], caption: &str) -> String {
 pub fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use bracketry_symbolic::Pool;
-
-    #[test]
-    fn every_tag_that_is_opened_is_closed() {
-        for text in ["-c*v*abs(v)", "F_c*sign(v)*exp(-(v/v_s)^2)", "sin(theta1)^2/(m*L^2)", "atan2(a, b) - min(a, 2.5)"]
-        {
-            let mut pool = Pool::new();
-            let e = pool.parse(text).unwrap();
-            let set = pool.notation(e).mathml();
-            for tag in ["math", "mrow", "mfrac", "msup", "msub", "mi", "mn", "mo"] {
-                let (open, close) =
-                    (set.matches(&format!("<{tag}>")).count(), set.matches(&format!("</{tag}>")).count());
-                let attributed = set.matches(&format!("<{tag} ")).count();
-                assert_eq!(open + attributed, close, "{tag} in {set}");
-            }
-            assert!(!set.contains('\\'), "{set}");
-        }
-    }
-
-    #[test]
-    fn words_and_names_stay_as_they_are_written() {
-        assert!(Notation::text("a <- b").mathml().contains("a &lt;- b"));
-        assert!(symbol("a<b").contains("a&lt;b"));
-    }
-}

@@ -4,4 +4,5 @@
 mod analysis;
 mod control;
 mod diagnosis;
+mod document;
 mod stiffness_text;

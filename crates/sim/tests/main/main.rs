@@ -18,6 +18,7 @@ mod set_valued;
 mod smoothing_splines;
 mod static_level;
 mod stick_slip;
+mod sticking;
 mod stiff;
 mod stop_flag;
 mod time_stepping;

@@ -33,6 +33,28 @@ fn the_cubic_of_the_double_integrator_is_found() {
     assert!((signals.values[0][0] - 6.0 / 4.0).abs() < 1e-9);
 }
 
+/// The triple integrator between states that do not rest: the input is the third derivative of the one polynomial of degree 5 that has
+/// the derivatives of both ends.
+#[test]
+fn the_polynomial_has_the_derivatives_of_both_ends() {
+    let ([x, v, a], [to_x, to_v, to_a], t) = ([0.3, -1.0, 2.0], [1.5, 0.2, -0.7], 1.7);
+    let triple = system(&["x", "v", "a"], &["u"], &["v", "a", "u"]);
+    let mut options = by(SteerMethod::Flat, &[x, v, a], &[to_x, to_v, to_a]);
+    options.duration = Some(t);
+    let signals = reached(&triple, &options).signals.unwrap();
+    // Its coefficients of degree 3, 4, and 5 times 3!, 4!, and 5!/2.
+    let by = to_x - x;
+    let p = (60.0 * by - (24.0 * to_v + 36.0 * v) * t + (3.0 * to_a - 9.0 * a) * t * t) / t.powi(3);
+    let q = (-360.0 * by + (168.0 * to_v + 192.0 * v) * t + (36.0 * a - 24.0 * to_a) * t * t) / t.powi(4);
+    let r = (360.0 * by - 180.0 * (to_v + v) * t + 30.0 * (to_a - a) * t * t) / t.powi(5);
+    let last = signals.times.len() - 1;
+    for (k, (s, u)) in signals.times.iter().zip(&signals.values).enumerate() {
+        // Between the ends, a correction makes up for the interpolation of the input along straight lines.
+        let tolerance = if k == 0 || k == last { 1e-11 } else { 1e-4 };
+        assert!((u[0] - (p + q * s + r * s * s)).abs() < tolerance, "{s}: {} {}", u[0], p + q * s + r * s * s);
+    }
+}
+
 #[test]
 fn dry_friction_and_pendulums_are_steered_by_shooting() {
     let slider = system(&["x", "v"], &["u"], &["v", "u - 2*sign(v)"]);

@@ -1,6 +1,7 @@
 //! Steering by Philip Hall coordinates.
 
 use crate::common::{Numbers, model, reached, system};
+use bracketry_lie::algebra::HallBasis;
 use bracketry_steer::{Plan, SteerMethod, SteerOptions, SteerReason, SteerStatus, steer};
 use bracketry_system::System;
 
@@ -25,6 +26,51 @@ fn nilpotent_systems_are_steered_exactly_in_one_round() {
             // One input at a time.
             let moving = |row: &Vec<f64>| row.iter().filter(|u| **u != 0.0).count();
             assert!(found.signals.unwrap().values.iter().all(|row| moving(row) <= 1));
+        }
+    }
+}
+
+/// The system whose states are the coordinates of a series in the elements of a Hall basis, exponentials of which it is a product of
+/// (Sussmann 1986, A product expansion for the Chen series): where H = ad_A^q B, c_H' = c_A^q/q! c_B'. It is free but for brackets
+/// longer than the degree.
+fn free_nilpotent(letters: usize, degree: usize) -> System {
+    let basis = HallBasis::new(letters, degree).unwrap();
+    let mut rates: Vec<String> = Vec::new();
+    for element in basis.elements() {
+        let Some((a, mut b)) = element.factors else {
+            rates.push(format!("u{}", rates.len()));
+            continue;
+        };
+        let mut q = 1;
+        while let Some((_, inner)) = basis.elements()[b].factors.filter(|f| f.0 == a) {
+            (q, b) = (q + 1, inner);
+        }
+        rates.push(format!("c{a}^{q}/{}*{}", (1..=q).product::<usize>(), rates[b]));
+    }
+    let names = |letter: &str, n: usize| (0..n).map(|i| format!("{letter}{i}")).collect::<Vec<_>>();
+    let (states, inputs) = (names("c", rates.len()), names("u", letters));
+    let texts = |list: &[String]| list.iter().map(|s| format!("'{s}'")).collect::<Vec<_>>().join(", ");
+    let lines: Vec<String> = states.iter().zip(&rates).map(|(s, r)| format!("{s} = '{r}'")).collect();
+    let head = format!("states = [{}]\ninputs = [{}]\n[dynamics]\n", texts(&states), texts(&inputs));
+    System::parse("free.toml", &(head + &lines.join("\n"))).unwrap()
+}
+
+/// Flows of single letters multiply to the series that they are made for: in the free systems nothing else would reach the end, there
+/// and back, as the inverse of a product of flows is that of the backward flows.
+#[test]
+fn free_nilpotent_systems_are_steered_exactly_there_and_back() {
+    for (letters, degree, dimension) in [(2, 2, 3), (2, 5, 14), (3, 3, 14)] {
+        let free = free_nilpotent(letters, degree);
+        assert_eq!(free.states.len(), dimension);
+        let to: Vec<f64> = (0..dimension).map(|i| 0.3 + 0.2 * ((i * 7) % 5) as f64 - 0.5 * (i % 3) as f64).collect();
+        let start = vec![0.0; dimension];
+        for (from, to) in [(&start, &to), (&to, &start)] {
+            let found = reached(&free, &by_brackets(from, to));
+            assert!(found.end_error < 1e-9, "{letters} letters, degree {degree}: {}", found.end_error);
+            let Some(Plan::Nilpotent { is_nilpotent, rounds, degree: longest, .. }) = found.plan else {
+                panic!("{:?}", found.plan)
+            };
+            assert!(is_nilpotent && rounds == 1 && longest == degree, "{rounds} rounds, degree {longest}");
         }
     }
 }

@@ -187,27 +187,3 @@ fn unit_angle<const C: u64>() -> Option<Point<C>> {
             })
     })
 }
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::super::field::SECOND_OFFSET;
-    use super::*;
-
-    /// The point of order 2D divides the circle, and gives the roots that the field chooses.
-    fn divides_the_circle<const C: u64>() {
-        let parts = parts_of_pi::<C>();
-        assert_eq!((u128::from(Residue::<C>::MODULUS) + 1) % u128::from(2 * parts), 0);
-        let unit = unit_angle::<C>().unwrap();
-        assert_eq!(turned(unit, parts), (-Residue::ONE, Residue::ZERO));
-        assert_eq!(unit.0 * unit.0 + unit.1 * unit.1, Residue::ONE);
-        assert_eq!(turned(unit, parts / 4).1, turned(unit, parts / 4).0);
-    }
-
-    #[test]
-    fn all_fields_hold_parts_of_pi() {
-        divides_the_circle::<1>();
-        divides_the_circle::<SECOND_OFFSET>();
-        divides_the_circle::<THIRD_OFFSET>();
-    }
-}

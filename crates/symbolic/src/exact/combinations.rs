@@ -94,28 +94,3 @@ impl<const C: u64> Combinations<C> {
         (rest, coefficients)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::super::field::Random;
-    use super::*;
-
-    #[test]
-    fn combinations_have_the_coefficients_they_were_made_with() {
-        for seed in 0..40 {
-            let mut rng = Random::new(seed);
-            let (n, length) = (1 + seed as usize % 7, 9);
-            let vectors: Vec<Vec<Residue<1>>> = (0..n).map(|_| (0..length).map(|_| rng.residue()).collect()).collect();
-            let mut span = Combinations::empty();
-            assert!(vectors.iter().all(|v| span.insert(v)));
-            let c: Vec<Residue<1>> = (0..n).map(|k| Residue::from_i64(k as i64 * 3 - 4)).collect();
-            let sum: Vec<Residue<1>> =
-                (0..length).map(|i| vectors.iter().zip(&c).fold(Residue::ZERO, |s, (v, &c)| s + c * v[i])).collect();
-            assert_eq!(span.of(&sum).unwrap(), c);
-            assert!(!span.insert(&sum));
-            let other: Vec<Residue<1>> = (0..length).map(|_| rng.residue()).collect();
-            assert!(span.of(&other).is_none() && span.insert(&other));
-        }
-    }
-}

@@ -64,28 +64,3 @@ impl Pool {
         Ok(samples)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    #[test]
-    fn values_stay_where_the_pool_renumbers_its_nodes() {
-        let mut p = Pool::new();
-        let mut first = [p.parse("x + y").unwrap()];
-        let before = p.len();
-        let mut point = Evaluation::<1>::new(Bindings::new());
-        let texts = ["exp(1/3)*cos(1/2)", "sin(1/2) + x", "exp(1/3)*y", "log(2)*exp(2/3)"];
-        let mut values = || -> Vec<Residue<1>> {
-            let mut list = Vec::new();
-            for text in texts {
-                let e = p.parse(text).unwrap();
-                list.push(p.evaluate(&mut point, &[e]).unwrap().values[0][0]);
-                p.collect(before, &mut first);
-            }
-            list
-        };
-        assert_eq!(values(), values());
-    }
-}

@@ -65,26 +65,3 @@ fn sum_of_squares(p: u64) -> Option<(u64, u64)> {
         (c * c + d * d == p).then_some((c.max(d), c.min(d)))
     })
 }
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    #[test]
-    fn angles_are_the_sums_of_those_of_their_primes() {
-        for (x, y) in [(1, 1), (3, 4), (-7, 24), (5, -3), (-11, -60), (13, 3), (0, 2), (-3, 0), (1, 239), (99, 70)] {
-            let found = GaussianAngle::of(&RBig::from(x), &RBig::from(y), &mut Vec::new()).unwrap();
-            let sum: f64 = found
-                .primes
-                .iter()
-                .map(|&(p, k)| {
-                    let (c, d) = sum_of_squares(p).unwrap();
-                    k as f64 * (d as f64).atan2(c as f64)
-                })
-                .sum();
-            let angle = f64::from(y).atan2(f64::from(x));
-            assert!((sum + found.eighths as f64 * FRAC_PI_4 - angle).abs() < 1e-12, "{x} {y}");
-        }
-    }
-}

@@ -8,6 +8,7 @@ mod formulas;
 mod implicit;
 mod input_delays;
 mod input_ranges;
+mod least_values;
 mod model_files;
 mod quotients;
 mod ranges;

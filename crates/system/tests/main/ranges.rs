@@ -158,6 +158,14 @@ fn values_that_two_inputs_take_together_are_told() {
     assert_eq!(both("u", "u*tan(w)"), (None, Some(true), None));
     // The second is at least the square of the first: no neighborhood of 0.
     assert_eq!(both("u", "u^2 + w^2"), (None, Some(false), Some(false)));
+    // Values on all sides.
+    assert_eq!(both("sinh(u + w)*(u - w)^2", "sinh(u - w)*(u + w)^2").1, Some(true));
+    // Both take both signs, and yet their sum is never negative: the arguments add up to 2w², and sinh is odd and grows.
+    assert_eq!(both("sinh(w^2 + u)", "sinh(w^2 - u)").1, None);
+    // At the edge: the first is never negative.
+    assert_eq!(both("u^2*(2 + sin(u))", "w^3").1, None);
+    // All values that are seen lie on a line, but for a millionth.
+    assert_eq!(both("u^3", "atan(u^3/10^6 + w^3/10^12)").1, None);
 }
 
 proptest! {

@@ -52,20 +52,3 @@ impl<R: Read> Lines<R> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_and_broken_lines_do_not_hide_those_that_follow() {
-        let mut text = vec![b'x'; 3 << 20];
-        text.extend(b"\n\xff\xfe\n\n{\"y\": [1]}\nlast");
-        let mut lines = Lines::new(text.as_slice());
-        assert!(matches!(lines.next(), Some(Err(_))));
-        assert!(matches!(lines.next(), Some(Err(_))));
-        assert_eq!(lines.next(), Some(Ok("{\"y\": [1]}\n")));
-        assert_eq!(lines.next(), Some(Ok("last")));
-        assert_eq!(lines.next(), None);
-    }
-}

@@ -93,35 +93,3 @@ pub(super) fn condition(c: &Condition) -> String {
         Condition::Any(list) => joined(list, "\\ \\text{or}\\ "),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    fn of(text: &str) -> Function {
-        let mut pool = Pool::new();
-        let e = pool.parse(text).unwrap();
-        Function::new(&pool, e)
-    }
-
-    #[test]
-    fn conditions_keep_their_words_and_signs() {
-        use Condition::{All, Any, Differs, Positive, Vanishes};
-        assert_eq!(condition(&Vanishes(of("v"))), "v = 0");
-        let both = All(vec![Differs(of("x1")), Differs(of("cos(y)"))]);
-        assert_eq!(condition(&both), "x_{1} \\ne 0,\\ \\cos\\left(y\\right) \\ne 0");
-        assert_eq!(condition(&Any(vec![Vanishes(of("a")), Positive(of("b"))])), "a = 0\\ \\text{or}\\ b > 0");
-    }
-
-    #[test]
-    fn brackets_have_indices() {
-        let [f, g] = [0, 1].map(Word::Generator);
-        let nested = Word::bracket(g.clone(), Word::bracket(f.clone(), g.clone()));
-        let input = |input, mode| Generator::Input { input, mode };
-        let names = [Generator::Drift { mode: None }, input(12, None)];
-        assert_eq!(word(&nested, &names), "[g_{12}, [f, g_{12}]]");
-        let names = [Generator::DriftDifference { mode: 3 }, input(2, Some(4))];
-        assert_eq!(word(&Word::bracket(f, g), &names), "[f^{(3)}-f^{(1)}, g_{2}^{(4)}]");
-    }
-}
