@@ -16,6 +16,8 @@ esac
 cp "$built/$program" "dist/$folder/"
 cp crates/README.md "dist/$folder/README.md"
 cp -r LICENSE-MIT LICENSE-APACHE CITATION.cff models crates/plot/assets/LICENSE-DejaVu.txt "dist/$folder/"
+# The models name documents.
+mkdir "dist/$folder/docs" && cp docs/*.md "dist/$folder/docs/"
 packaging/licenses.py bracketry-cli "dist/$folder/THIRDPARTY.txt"
 for shell in bash zsh fish; do
     "$built/$program" completions "$shell" >"dist/$folder/completions/bracketry.$shell"

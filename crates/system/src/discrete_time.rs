@@ -16,7 +16,7 @@ pub(crate) fn discrete_period(doc: &Document, table: &Table<'_>, accepted: bool)
         Some("discrete") => {}
         Some(other) => {
             let remedy = "write time = \"continuous\" or \"discrete\"";
-            return Err(doc.error(place("time"), format!("there is no `time` called `{other}`"), remedy));
+            return Err(doc.error(place("time"), format!("`time` cannot be `{other}`"), remedy));
         }
     }
     if !accepted {

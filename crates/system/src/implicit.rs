@@ -84,7 +84,7 @@ pub(crate) fn eliminate_algebraic(
     let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
     let solution = solve(&mut system.pool, &residuals, &unknowns, &parameters).map_err(|singular| {
         let message = "the algebraic equations do not determine the algebraic variables: ∂g/∂z is singular everywhere \
-                       (index above 1), by this equation at the latest";
+                       (index above 1), as this equation shows";
         let remedy =
             "differentiate the equation with respect to time until an algebraic variable appears, and replace it by \
              the result";

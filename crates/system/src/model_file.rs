@@ -409,7 +409,7 @@ impl<'d> Reader<'d> {
                 tape.eval(&[], &mut Vec::new(), &mut found);
             }
             if !found[0].is_finite() {
-                let message = format!("the value of `{name}` at the point is no finite number");
+                let message = format!("the value of `{name}` at the point is not a finite number");
                 return Err(doc.error(
                     value.span(),
                     message,

@@ -24,14 +24,14 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
 /// Arguments of `control`.
 #[derive(Args)]
 pub(crate) struct ControlArgs {
-    /// Problem file (TOML): model, horizon, cost, bounds; docs/mpc.md documents every key
+    /// Problem file (TOML): model, horizon, cost, bounds; docs/mpc.md in the repository documents every key
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) problem: PathBuf,
     /// Seed of the measurement noise; overrides `seed` in [run]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = seed)]
     seed: Option<u64>,
     /// Control a plant of your own: read measurements from standard input and write inputs to standard output, one JSON object
-    /// per line; docs/live.md
+    /// per line; see docs/live.md in the repository
     #[arg(long)]
     live: bool,
     /// With --live: maximum time from an input to the next measurement, s; then the failure policy applies

@@ -113,7 +113,7 @@ fn watch(stop: &StopFlag, memory: Option<u64>, last: Option<(Instant, Duration)>
             if taken > limit {
                 error(&format!(
                     "stopped at the memory limit of {:.3} GB without a result\n   = give more with --memory-limit, such as \
-                     --memory-limit {:.0}GB, or a smaller model",
+                     --memory-limit {:.0}GB, or use a smaller model",
                     limit as f64 / 1e9,
                     (2.0 * limit as f64 / 1e9).max(1.0)
                 ));
@@ -123,7 +123,7 @@ fn watch(stop: &StopFlag, memory: Option<u64>, last: Option<(Instant, Duration)>
         if let Some((_, limit)) = last.filter(|(end, _)| Instant::now() >= *end) {
             error(&format!(
                 "stopped without a result: a step of the work did not end within the time limit of {} s\n   = give more time with \
-                 --time-limit, or a smaller model",
+                 --time-limit, or use a smaller model",
                 limit.as_secs_f64()
             ));
             exit(1);

@@ -87,7 +87,7 @@ enum Command {
         "Exit codes",
         "0  decided: every generic dimension, the requests of --at, --bracket, and --determines, and which states \
          and parameters the outputs determine; with --parameters or --map, the list of cases is proven \
-         complete; with --identifiability, local and global identifiability of all parameters are known\n\
+         complete; with --identifiability, local and global identifiability of all parameters are known; with --from-rest, the answer is yes or no\n\
          1  one of these is undecided, or no affine form was found; the report says which and why (other quantities may be unknown)\n2  bad input",
     )]))]
     Analyze(analyze::AnalyzeArgs),

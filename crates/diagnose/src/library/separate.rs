@@ -216,7 +216,7 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
         }
         (InertialCoupling, JointCoupling) => {
             format!(
-                "move the other joint at constant speed, then accelerate it at rest positions of {q}: inertial \
+                "move the other joint at constant speed, then accelerate it with {q} held at several positions: inertial \
             forces need acceleration or high speed, friction does not"
             )
         }

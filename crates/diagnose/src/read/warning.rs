@@ -121,7 +121,7 @@ impl Warning {
             Warning::Uneven { jitter } => format!("the steps in time vary by {:.0} %", 100.0 * jitter),
             Warning::Gaps { count, after } => {
                 let at: Vec<String> = after.iter().map(ToString::to_string).collect();
-                format!("{} in time, the run continues at t = {} s", counted(*count, "gap", "gaps"), at.join(", "))
+                format!("{} in time: the run continues at t = {} s", counted(*count, "gap", "gaps"), at.join(", "))
             }
             Warning::Slow { step } => format!("the samples are {step} s apart"),
             Warning::Unrelated { name, rate, correlation } => {

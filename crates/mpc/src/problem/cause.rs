@@ -31,7 +31,7 @@ impl fmt::Display for Cause {
         f.write_str(match self {
             Self::Inaccurate => "most programs miss their tolerance; give a [guess], or [scale] near the real sizes",
             Self::SmoothedFriction => {
-                "the controller's model has smoothed friction, the plant sticks; write method = \"stick-slip\""
+                "the controller's model has smoothed friction, but the plant sticks; write method = \"stick-slip\""
             }
             Self::Delay => {
                 "inputs act later than the controller assumes; write compensate_delay = true, and give the input \
@@ -40,7 +40,7 @@ impl fmt::Display for Cause {
             Self::Plant => "the plant is not the controller's model",
             Self::Plan => "the plan did not converge; give a [guess], or raise max_iterations",
             Self::MovingHorizon => {
-                "it corresponds to the end of a moving horizon; write method = \"plan\", whose horizon ends with the \
+                "a moving horizon never reaches its end; write method = \"plan\", whose horizon ends with the \
                  run"
             }
             Self::OneProgram => {

@@ -200,7 +200,10 @@ impl Reader<'_> {
         let in_blocks = matches!(self.doc.string(solve, "backend")?.as_deref(), Some("stagewise" | "condensed"));
         if let Some(v) = solve.get("block").filter(|_| !in_blocks) {
             let remedy = "add backend = \"stagewise\" or \"condensed\"";
-            return Err(self.doc.error(v.span(), "`block` applies to condensing only", remedy).into());
+            return Err(self
+                .doc
+                .error(v.span(), "`block` applies to the backends \"stagewise\" and \"condensed\" only", remedy)
+                .into());
         }
         let block = if in_blocks { self.count(solve, "block", Some(1_000_000))? } else { 0 };
         let forms = [

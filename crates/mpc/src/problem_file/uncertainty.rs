@@ -141,7 +141,7 @@ impl Reader<'_> {
             own.sort_by(|a, b| a.0.cmp(&b.0));
             let names = |c: &[(String, Rational)]| c.iter().map(|v| v.0.clone()).collect::<Vec<_>>();
             if own.is_empty() || combinations.first().is_some_and(|first| names(&first.values) != names(&own)) {
-                let message = "every scenario gives values to the same parameters";
+                let message = "every scenario must give values to the same parameters";
                 return Err(self.doc.error(entry.span(), message, remedy).into());
             }
             combinations.push(Combination { values: own, weight });

@@ -95,7 +95,7 @@ pub fn changes(a: &Affinization) -> Vec<String> {
         format!("new state {} = {function} replaces {} = {inverse}", z.name, z.replaces)
     });
     let no_point = (a.system.point.is_some() && !a.system.point_is_finite())
-        .then(|| "the affine model has no point: at the model's, a new input has no finite value".to_owned());
+        .then(|| "the affine model has no point: at the model's point, a new input has no finite value".to_owned());
     inputs.chain(states).chain(a.range_notes.iter().map(ToString::to_string)).chain(no_point).collect()
 }
 

@@ -56,8 +56,9 @@ fn outcome(outcome: &Outcome) -> String {
         ),
         Outcome::PredictsWorse(causes) => {
             let names: Vec<String> = causes.iter().map(ToString::to_string).collect();
+            let (explain, them) = if names.len() == 1 { ("explains", "it") } else { ("explain", "them") };
             format!(
-                "{} explains the fitted data, but predictions of held-out data are worse with it at every horizon",
+                "{} {explain} the fitted data, but predictions of held-out data are worse with {them} at every horizon",
                 names.join(" and ")
             )
         }
@@ -152,8 +153,13 @@ pub(super) fn note(note: &Note) -> String {
         Note::OnlyParameters => "gain: only parameters are wrong, so `before` is the model as given".to_owned(),
         Note::TooShortForGain => "the data are too short to measure the gain on a separate part".to_owned(),
         Note::StillColumns(names) => format!(
-            "{} does not exceed its noise and carries no information: leave outliers empty, or remove the column",
-            names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+            "{} {}",
+            names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+            if names.len() == 1 {
+                "does not exceed its noise and carries no information: leave outliers empty, or remove the column"
+            } else {
+                "do not exceed their noise and carry no information: leave outliers empty, or remove the columns"
+            }
         ),
         Note::OtherHold(other) => {
             format!("{}: check how the inputs act between samples before accepting a cause", other_hold(other))

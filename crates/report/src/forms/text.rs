@@ -140,7 +140,7 @@ pub fn transformation_text(t: &Transformation) -> String {
     let name = form_name(t.form);
     let lines = match &t.outcome {
         FormOutcome::Found(form) => {
-            let mut lines = vec![format!("{} in {name}", t.model)];
+            let mut lines = vec![format!("{}: {name}", t.model)];
             lines.extend(found(form));
             lines
         }

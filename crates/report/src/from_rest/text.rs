@@ -18,25 +18,32 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
     let inputs = s.inputs.join(", ");
     match &s.shape {
         Shape::FastSlow { fast, slow } => {
-            format!("{inputs} accelerates at {}, and comes back within {}", readable(*fast), readable(*slow))
+            format!(
+                "{inputs} accelerates at {} and returns with an acceleration of at most {}",
+                readable(*fast),
+                readable(*slow)
+            )
         }
         Shape::Together { accelerations: [a, b], twice } => {
-            let both =
-                format!("{inputs} go off and back together, with accelerations {} and {}", readable(*a), readable(*b));
+            let both = format!(
+                "{inputs} move away and back together, with accelerations {} and {}",
+                readable(*a),
+                readable(*b)
+            );
             if *twice { format!("{both}, and again with the opposite sign of the second") } else { both }
         }
         Shape::Carried { peak, fast, slow, shaken } => {
             let there = if *shaken { ", shakes a little" } else { "" };
             let [first, second] = [0, 1].map(|k| s.inputs.get(k).map_or("", String::as_str));
             format!(
-                "{second} goes off by {}{there}, {first} accelerates there at {}, and comes back within {}",
+                "{second} moves away by {}{there}, {first} accelerates there at {} and returns with an acceleration of at most {}",
                 readable(*peak),
                 readable(*fast),
                 readable(*slow)
             )
         }
         Shape::Diagonal { fast: [a, b], slow: [c, d] } => format!(
-            "{inputs} accelerate together at {} and {}, and come back one after the other within {} and {}",
+            "{inputs} accelerate together at {} and {} and return one after the other with accelerations of at most {} and {}",
             readable(*a),
             readable(*b),
             readable(*c),
@@ -44,7 +51,7 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
         ),
         Shape::Lift { peak, shaken } => {
             let there = if *shaken { ", shakes a little" } else { "" };
-            format!("{inputs} goes off by {}{there}, and comes back", readable(*peak))
+            format!("{inputs} moves away by {}{there} and comes back", readable(*peak))
         }
     }
 }
@@ -118,8 +125,11 @@ pub fn from_rest_text(found: &FromRest) -> String {
                     .map(|(c, d)| format!("{} changes by {}", c.name, readable(*d)))
                     .collect();
                 let list = if list.is_empty() { "nothing changes".to_owned() } else { list.join(", ") };
-                let when =
-                    if d.scale == 1.0 { String::new() } else { format!("in {} of the time: ", readable(d.scale)) };
+                let when = if d.scale == 1.0 {
+                    String::new()
+                } else {
+                    format!("with all durations times {}: ", readable(d.scale))
+                };
                 lines.push(format!("    {when}{list}"));
             }
             if let Some((c, sign)) = s.proven {
@@ -156,7 +166,7 @@ fn grid_lines(found: &FromRest, grid: &Grid) -> Vec<String> {
     let most = |of: fn(&GridPoint) -> f64| grid.points.iter().map(of).fold(0.0, f64::max);
     let reach = least(|p| p.reach);
     let mut line = format!(
-        "the margin carries: {} loops have the margin {} or more at {}; directions change by {} or less for shorter loops",
+        "margin for shorter loops: {} loops have the margin {} or more at {}; directions change by {} or less for shorter loops",
         grid.loops.len(),
         readable(least(|p| p.margin)),
         counted(grid.points.len(), "point", "points"),

@@ -138,6 +138,6 @@ pub fn parameter_map_text(map: &ParameterMap) -> String {
             None => counts.push((key, 1)),
         }
     }
-    lines.extend(counts.iter().map(|(key, n)| format!("  {n:>6} {key}")));
+    lines.extend(counts.iter().map(|(key, n)| format!("  {n:>6} {}: {key}", if *n == 1 { "cell" } else { "cells" })));
     lines.join("\n") + "\n" + &parameter_text(&map.report)
 }

@@ -173,7 +173,7 @@ pub fn steering_text(s: &Steering) -> String {
             SteerMethod::Loops => "loops",
             SteerMethod::Shooting => "shooting",
         };
-        lines.push(format!("without result: {name}: {}", reason(&attempt.reason)));
+        lines.push(format!("unsuccessful: {name}: {}", reason(&attempt.reason)));
     }
     lines.join("\n") + "\n"
 }

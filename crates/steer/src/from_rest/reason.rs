@@ -45,7 +45,7 @@ impl std::fmt::Display for FromRestReason {
             Self::NotAtRest => {
                 write!(f, "friction is not shown to hold the state at the point; choose a point at rest")
             }
-            Self::OtherSwitch { name } => write!(f, "the equations switch with {name}, which is no velocity"),
+            Self::OtherSwitch { name } => write!(f, "the equations switch with {name}, which is not a velocity"),
             Self::Loops { tried } => {
                 write!(f, "the displacements of {tried} loops do not positively span the coordinates; try wider bounds")
             }

@@ -213,7 +213,7 @@ pub enum IdentificationError {
     },
     /// More outliers than an error of measurement explains.
     #[error(
-        "{found} of {of} measurements contradict the rest; these are not outliers: check the model, the units and \
+        "{found} of {of} measurements contradict the model, too many to be outliers: check the model, the units, and \
          the noise"
     )]
     TooManyOutliers {

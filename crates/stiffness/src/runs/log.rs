@@ -115,7 +115,7 @@ fn check_joints(doc: &Document, table: &Columns, robot: &Robot, letter: &str) ->
 fn column<'a>(doc: &Document, table: &'a Columns, name: &str) -> Result<&'a Vec<f64>, FileError> {
     table.columns.get(name).ok_or_else(|| {
         let message = format!("the column {name} is missing; the table has {}", table.header.join(", "));
-        doc.missing(message, "name the columns as docs/stiffness.md does; units are m, rad, N, N·m")
+        doc.missing(message, "`bracketry stiffness COMMAND --help` lists the columns; units are m, rad, N, N·m")
     })
 }
 
