@@ -139,6 +139,25 @@ fn sources(folder: &Path) -> Vec<std::path::PathBuf> {
 }
 
 /// Reports print expressions that results hold; a pool of their own would be one for expressions read from text.
+/// A library without a test program of its own has no tests in its sources: nothing would compile them, and nobody would notice.
+#[test]
+fn no_test_stands_where_none_is_compiled() {
+    let mut without = 0;
+    for folder in fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path()) {
+        let Ok(text) = fs::read_to_string(folder.join("Cargo.toml")) else { continue };
+        let manifest: Table = text.parse().unwrap();
+        if manifest.get("lib").and_then(|lib| lib.get("test")?.as_bool()) != Some(false) {
+            continue;
+        }
+        without += 1;
+        for file in sources(&folder.join("src")) {
+            let text = fs::read_to_string(&file).unwrap();
+            assert!(!text.contains("cfg(test)") && !text.contains("#[test]"), "{}", file.display());
+        }
+    }
+    assert!(without > 10, "{without} libraries");
+}
+
 #[test]
 fn reports_read_no_expression_from_text() {
     for folder in ["crates/report/src", "crates/cli/src"] {
