@@ -36,6 +36,10 @@ pub enum Cause {
     LiftOff,
     Backlash,
     ParameterError,
+    WrongSign,
+    WrongUnit,
+    SwappedColumns,
+    WrongColumn,
     UnknownTerm,
 }
 

@@ -56,15 +56,15 @@ pub use numbers::{measured, p_value, probability, significant};
 pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_noise, read_record};
 pub use record::Record;
 pub use report::{
-    Candidate, Caveat, Closeness, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note, OtherHold, Outcome,
-    Place, RefittedParameter, Regime, Repetition, Report, Rescaling, ResidualAcceleration, Rival, ScaledColumn, Value,
-    Verdict, VerdictReason,
+    Candidate, Caveat, Closeness, ColumnFault, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note,
+    OtherHold, OtherUnit, Outcome, Place, RefittedParameter, Regime, Repetition, Report, Rescaling,
+    ResidualAcceleration, Rival, ScaledColumn, Value, Verdict, VerdictReason,
 };
 pub use settings::{
-    AlarmSettings, ConsistencySettings, DiagnosisSettings, EquationSettings, GainSettings, LibrarySettings,
-    NamingSettings, NoiseSettings, PeriodSettings, PlaceSettings, PredictionSettings, PriorSettings, ReadSettings,
-    RivalSettings, SearchSettings, SelectionSettings, SignalSettings, SolverSettings, StudySettings, TimeScaleSettings,
-    UnitSettings, VerdictSettings, WindowSettings,
+    AlarmSettings, ColumnSettings, ConsistencySettings, DiagnosisSettings, EquationSettings, GainSettings,
+    LibrarySettings, NamingSettings, NoiseSettings, PeriodSettings, PlaceSettings, PredictionSettings, PriorSettings,
+    ReadSettings, RivalSettings, SearchSettings, SelectionSettings, SignalSettings, SolverSettings, StudySettings,
+    TimeScaleSettings, VerdictSettings, WindowSettings,
 };
 pub use signal::{Measured, Quantity, Signal};
 pub use study::{

@@ -150,7 +150,12 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
 fn outcome(report: &Report) -> Outcome {
     match report.verdict {
         Verdict::CauseFound | Verdict::NothingFound => Outcome::Done,
-        Verdict::Unexplained | Verdict::Uninformative => Outcome::Negative,
+        Verdict::Unexplained
+        | Verdict::Uninformative
+        | Verdict::WrongSign
+        | Verdict::WrongUnit
+        | Verdict::SwappedColumns
+        | Verdict::WrongColumn => Outcome::Negative,
     }
 }
 

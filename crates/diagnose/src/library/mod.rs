@@ -25,5 +25,6 @@ pub use dictionary::dictionary;
 pub use names::TIME_INPUT;
 pub(crate) use names::{ModelNames, derivative_name, input_index, state_index, symbols, unknown};
 pub use reference::reference_candidates;
+pub(crate) use separate::OF_COLUMNS;
 pub use separate::separating_experiment;
 pub(crate) use structure::{Kind, Structure, is_angle};

@@ -65,7 +65,14 @@ fn family(cause: Cause) -> Family {
         | Cause::PressureRadius
         | Cause::YawFriction
         | Cause::ComOffset => Family::Contact,
-        Cause::PeriodicDisturbance | Cause::LiftOff | Cause::Backlash | Cause::UnknownTerm => Family::Other,
+        Cause::PeriodicDisturbance
+        | Cause::LiftOff
+        | Cause::Backlash
+        | Cause::WrongSign
+        | Cause::WrongUnit
+        | Cause::SwappedColumns
+        | Cause::WrongColumn
+        | Cause::UnknownTerm => Family::Other,
     }
 }
 
@@ -285,6 +292,9 @@ fn by_family(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     None
 }
 
+/// What tells columns that are read wrongly.
+pub(crate) const OF_COLUMNS: &str = "record one motion of known direction and size, and compare each column with it";
+
 /// What shows a cause by itself.
 fn isolating(e: &Effect, system: &System) -> String {
     let (v, q) = (&e.equation, position(e, system));
@@ -312,6 +322,7 @@ fn isolating(e: &Effect, system: &System) -> String {
         Cause::ComOffset => "turn the body by 180 degrees and repeat".to_owned(),
         Cause::LiftOff => "keep all accelerations small enough that the load stays positive".to_owned(),
         Cause::Backlash => format!("reverse {v} slowly with small strokes"),
+        Cause::WrongSign | Cause::WrongUnit | Cause::SwappedColumns | Cause::WrongColumn => OF_COLUMNS.to_owned(),
         Cause::UnknownTerm => format!("repeat with {q} over a wider range and at other speeds"),
     }
 }

@@ -5,6 +5,7 @@ use std::fmt;
 use bracketry_symbolic::Named;
 use serde::Serialize;
 
+use super::columns::{ColumnFault, Rescaling};
 use super::note::{Closeness, Flag, Note};
 use super::reason::VerdictReason;
 use super::regime::Regime;
@@ -29,6 +30,14 @@ pub enum Verdict {
     Unexplained,
     /// No measured column is significant above its noise: the data are not informative.
     Uninformative,
+    /// With the other sign of a column, the residual is noise.
+    WrongSign,
+    /// With another unit of a column, the residual is noise.
+    WrongUnit,
+    /// With two columns exchanged, the residual is noise.
+    SwappedColumns,
+    /// With a column as a measurement of another quantity, the residual is noise.
+    WrongColumn,
 }
 
 /// A number with its uncertainty.
@@ -221,6 +230,18 @@ pub struct Evidence {
     pub held_out: Option<HeldOut>,
 }
 
+impl Verdict {
+    /// That of columns which are read wrongly.
+    pub(crate) fn of_columns(fault: &ColumnFault) -> Self {
+        match fault {
+            ColumnFault::Scaled { by: Rescaling::Sign, .. } => Self::WrongSign,
+            ColumnFault::Scaled { .. } => Self::WrongUnit,
+            ColumnFault::Swapped { .. } => Self::SwappedColumns,
+            ColumnFault::OtherQuantity { .. } => Self::WrongColumn,
+        }
+    }
+}
+
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -228,6 +249,10 @@ impl fmt::Display for Verdict {
             Verdict::NothingFound => "nothing found",
             Verdict::Unexplained => "unexplained",
             Verdict::Uninformative => "uninformative data",
+            Verdict::WrongSign => "wrong sign",
+            Verdict::WrongUnit => "wrong unit",
+            Verdict::SwappedColumns => "swapped columns",
+            Verdict::WrongColumn => "wrong column",
         })
     }
 }

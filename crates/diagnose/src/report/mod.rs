@@ -1,16 +1,18 @@
 //! The result of a diagnosis: what was found, how sure it is, and what it is worth.
 
+mod columns;
 mod complete;
 mod diagnosis;
 mod note;
 mod reason;
 mod regime;
 
+pub use columns::{ColumnFault, OtherUnit, Rescaling, ScaledColumn};
 pub(crate) use complete::{Fits, intervals};
 pub use diagnosis::{
     Candidate, Evidence, Excess, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival, Value,
     Verdict,
 };
-pub use note::{Closeness, Flag, Note, Repetition, Rescaling, ScaledColumn};
+pub use note::{Closeness, Flag, Note, Repetition};
 pub use reason::{Caveat, Mispredicted, NoMotion, OtherHold, Outcome, VerdictReason};
 pub use regime::Regime;

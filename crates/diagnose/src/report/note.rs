@@ -61,13 +61,6 @@ pub enum Note {
     StillColumns(Vec<String>),
     /// Inputs that continue otherwise between samples explain the data without any cause.
     OtherHold(OtherHold),
-    /// Columns in another unit or of another sign explain the data without any cause.
-    OtherUnits {
-        /// Columns that explain the data equally well.
-        columns: Vec<(ScaledColumn, Rescaling)>,
-        /// Size of the residual in units of the noise.
-        size: f64,
-    },
     /// A run for validation is mispredicted.
     Mispredicted(Mispredicted),
 }
@@ -81,47 +74,6 @@ pub enum Repetition {
     FitAndValidation,
     /// Both for validation.
     InValidation,
-}
-
-/// What may have another unit or sign.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ScaledColumn {
-    /// A measured column or an input, by name.
-    Column(String),
-    /// Everything measured.
-    AllMeasured,
-}
-
-/// By what a column is multiplied if it has another unit or sign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rescaling {
-    /// −1: the other sign.
-    Sign,
-    /// 1/1000: it is in thousandths.
-    Thousandths,
-    /// 1000: it is in thousands.
-    Thousands,
-    /// π/180: it is in degrees.
-    Degrees,
-    /// 180/π: it is in radians where the model uses degrees.
-    Radians,
-}
-
-impl Rescaling {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Sign, Self::Thousandths, Self::Thousands, Self::Degrees, Self::Radians];
-
-    /// The factor.
-    pub fn factor(self) -> f64 {
-        use std::f64::consts::PI;
-        match self {
-            Self::Sign => -1.0,
-            Self::Thousandths => 1e-3,
-            Self::Thousands => 1e3,
-            Self::Degrees => PI / 180.0,
-            Self::Radians => 180.0 / PI,
-        }
-    }
 }
 
 /// What is odd about a cause or its values.

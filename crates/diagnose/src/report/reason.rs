@@ -2,6 +2,7 @@
 
 use bracketry_sim::Hold;
 
+use super::columns::ColumnFault;
 use crate::effect::Cause;
 
 /// Why a diagnosis ended with its verdict.
@@ -53,6 +54,15 @@ pub enum Outcome {
     },
     /// The causes explain the data of the fit, but with them held-out data are predicted worse at every horizon.
     PredictsWorse(Vec<Cause>),
+    /// The model explains the data once columns are read otherwise.
+    WrongColumns {
+        /// How they are to be read.
+        fault: ColumnFault,
+        /// Size of the refitted model's residual with the columns as they are; `None` where it cannot be simulated.
+        size: Option<f64>,
+        /// The same with the columns as they are to be read.
+        corrected: f64,
+    },
     /// No measured column is significant above its noise.
     NoMotion(NoMotion),
 }

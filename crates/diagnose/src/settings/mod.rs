@@ -28,8 +28,8 @@ pub use library::LibrarySettings;
 pub use read::{ConsistencySettings, NoiseSettings, ReadSettings};
 pub use study::{PriorSettings, SolverSettings, StudySettings, TimeScaleSettings, WindowSettings};
 pub use verdict::{
-    AlarmSettings, NamingSettings, PeriodSettings, PlaceSettings, RivalSettings, SearchSettings, SelectionSettings,
-    SignalSettings, UnitSettings, VerdictSettings,
+    AlarmSettings, ColumnSettings, NamingSettings, PeriodSettings, PlaceSettings, RivalSettings, SearchSettings,
+    SelectionSettings, SignalSettings, VerdictSettings,
 };
 
 use crate::effect::Effect;

@@ -18,8 +18,8 @@ settings! {
         rivals: RivalSettings = RivalSettings::default(),
         /// What is named and reported.
         naming: NamingSettings = NamingSettings::default(),
-        /// Columns in another unit.
-        units: UnitSettings = UnitSettings::default(),
+        /// Columns that are not what the model takes them for.
+        columns: ColumnSettings = ColumnSettings::default(),
         /// Where the model is wrong.
         places: PlaceSettings = PlaceSettings::default(),
     }
@@ -170,18 +170,26 @@ settings! {
         much_more: f64 = 1.5,
     }
 
-    /// Columns in another unit.
-    UnitSettings {
-        /// Windows that are examined.
+    /// Columns that are not what the model takes them for: sign, unit, order.
+    ColumnSettings {
+        /// Windows by which readings of the columns are compared first.
+        few_windows: usize = 3,
+        /// Windows by which the model as it stands is judged.
         windows: usize = 8,
-        /// Share of the excess that may remain with another unit, without any cause.
-        explains: f64 = 0.1,
-        /// Another unit whose residual is this many times that of the named causes is rejected.
-        outdone: f64 = 1.5,
-        /// Columns that explain the data within this factor of the best one are named with it.
-        alike: f64 = 1.05,
-        /// A parameter that changes by more than this factor suggests a wrong unit.
-        change: f64 = 2.0,
+        /// A reading is worth a fit if the model as it stands leaves at most this share of the squares that it leaves with the columns as
+        /// they are.
+        worth: f64 = 0.25,
+        /// Most readings that are fitted.
+        refitted: usize = 6,
+        /// A residual of at most this many times the noise is noise.
+        noise: f64 = 1.05,
+        /// With the right columns, no parameter changes by more than this factor.
+        far: f64 = 2.0,
+        /// Where refitted parameters explain the data of the columns as they are, one of them has changed by more than this factor if a
+        /// unit is wrong instead.
+        change: f64 = 5.0,
+        /// There, no parameter changes by more than this factor with the right unit.
+        exact: f64 = 1.1,
     }
 
     /// Where the model is wrong.

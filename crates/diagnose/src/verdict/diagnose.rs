@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use bracketry_system::System;
 
+use super::columns::wrong_columns;
 use super::curves::{curved, curved_where_better};
 use super::explanation::Explanation;
 use super::findings::{Ending, Findings, Rivals};
@@ -20,7 +21,6 @@ use super::scale::{factors, rescaled};
 use super::search::Search;
 use super::select::{Selection, backwards, select};
 use super::stage::Stage;
-use super::units::other_units;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
 use super::{periods, scale, write};
@@ -82,6 +82,9 @@ fn examined(
     first.check_time_scale()?;
     if still(&records, settings.verdict.alarm.motion_spread).1 {
         return Ok(Report { notes, ..uninformative(system, &records) });
+    }
+    if let Some(report) = wrong_columns(system, &first, settings, counter)? {
+        return Ok(Report { notes, ..report });
     }
     let (shorter, weighed);
     let mut study = &first;
@@ -279,7 +282,6 @@ fn add_caveats(
         }
         report.notes.push(Note::OtherHold(other));
     }
-    report.notes.extend(other_units(system, search, findings, settings)?);
     for cause in &mut report.causes {
         cause.flags.extend(half_a_sample(cause, records, settings.verdict.signals.near_half_sample));
     }

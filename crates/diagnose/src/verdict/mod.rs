@@ -1,6 +1,7 @@
 //! From records to the verdict: alarm, screening, selection, rivals, names.
 
 mod alarm;
+mod columns;
 mod curves;
 mod diagnose;
 mod explanation;
@@ -23,7 +24,6 @@ mod search;
 mod select;
 mod sign_flip;
 mod stage;
-mod units;
 mod unnamed;
 mod validation;
 mod write;

@@ -36,9 +36,17 @@ pub(super) fn uninformative(system: &System, records: &[Record]) -> Report {
         (true, true) => NoMotion::DrivenInputs,
     };
     Report {
+        reason: VerdictReason { outcome: Outcome::NoMotion(no_motion), caveats: Vec::new() },
+        ..without_findings(system)
+    }
+}
+
+/// A report in which nothing stands but the name of the model.
+pub(super) fn without_findings(system: &System) -> Report {
+    Report {
         model: system.name.clone(),
         verdict: Verdict::Uninformative,
-        reason: VerdictReason { outcome: Outcome::NoMotion(no_motion), caveats: Vec::new() },
+        reason: VerdictReason { outcome: Outcome::Explained, caveats: Vec::new() },
         causes: Vec::new(),
         places: Vec::new(),
         regimes: Vec::new(),

@@ -26,6 +26,7 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
         Cause::ActuatorLag | Cause::AnisotropicFriction => 0.75,
         Cause::SensorDelay | Cause::CubicStiffness | Cause::SensorBias => 1.0,
         Cause::PeriodicDisturbance | Cause::Backlash | Cause::LiftOff => 1.5,
+        Cause::WrongSign | Cause::WrongUnit | Cause::SwappedColumns | Cause::WrongColumn => 1.5,
         Cause::UnknownTerm => 8.0,
     };
     // All measured columns late by the same time is one chain of sensors, as a camera; several inputs is a coincidence.

@@ -1,8 +1,8 @@
 //! The reasons, notes and cautions of a diagnosis in words.
 
 use bracketry_diagnose::{
-    Caveat, Closeness, Flag, Mispredicted, NoMotion, Note, OtherHold, Outcome, Regime, Repetition, Rescaling,
-    ScaledColumn, VerdictReason, significant,
+    Caveat, Closeness, ColumnFault, Flag, Mispredicted, NoMotion, Note, OtherHold, OtherUnit, Outcome, Regime,
+    Repetition, Rescaling, ScaledColumn, VerdictReason, significant,
 };
 use bracketry_sim::Hold;
 
@@ -60,6 +60,16 @@ fn outcome(outcome: &Outcome) -> String {
             format!(
                 "{} {explain} the fitted data, but predictions of held-out data are worse with {them} at every horizon",
                 names.join(" and ")
+            )
+        }
+        Outcome::WrongColumns { fault, size, corrected } => {
+            let as_it_is = size.map_or_else(
+                || "the model cannot be simulated over these data".to_owned(),
+                |size| format!("the residual of the refitted model is {size:.2} times the noise"),
+            );
+            format!(
+                "{as_it_is}; with {}, it is {corrected:.2} times: correct the file, or the model, and repeat the diagnosis",
+                read_as(fault)
             )
         }
         Outcome::NoMotion(drive) => {
@@ -164,14 +174,6 @@ pub(super) fn note(note: &Note) -> String {
         Note::OtherHold(other) => {
             format!("{}: check how the inputs act between samples before accepting a cause", other_hold(other))
         }
-        Note::OtherUnits { columns, size } => {
-            let columns: Vec<String> = columns.iter().map(|(column, by)| rescaled(column, *by)).collect();
-            format!(
-                "units or sign? With {}, the residual of the model without causes is {size:.1} times the noise: \
-                 check this column",
-                columns.join(", or ")
-            )
-        }
         Note::Mispredicted(run) => format!(
             "{}: it contains an effect that the fitted data do not show; include it in the fit",
             mispredicted(run)
@@ -179,20 +181,42 @@ pub(super) fn note(note: &Note) -> String {
     }
 }
 
+/// How columns are to be read, as a clause after "with".
+fn read_as(fault: &ColumnFault) -> String {
+    match fault {
+        ColumnFault::Scaled { columns, by } => rescaled(columns, *by),
+        ColumnFault::Swapped { first, second } => format!("`{first}` and `{second}` exchanged"),
+        ColumnFault::OtherQuantity { column, quantity } => {
+            format!("`{column}` read as a measurement of {quantity}")
+        }
+    }
+}
+
 fn rescaled(column: &ScaledColumn, by: Rescaling) -> String {
     let name = match column {
         ScaledColumn::Column(name) => format!("`{name}`"),
-        ScaledColumn::AllMeasured => "everything measured".to_owned(),
+        ScaledColumn::AllMeasured => "all measured columns".to_owned(),
     };
     let meaning = match by {
-        Rescaling::Sign => "the other sign",
-        Rescaling::Thousandths => "thousandths, such as mm or mN",
-        Rescaling::Thousands => "thousands, such as km or kN",
-        Rescaling::Degrees => "degrees",
-        Rescaling::Radians => "radians where the model uses degrees",
+        Rescaling::Sign => "the other sign".to_owned(),
+        Rescaling::PowerOfTen(-3) => "thousandths, such as mm or mN".to_owned(),
+        Rescaling::PowerOfTen(3) => "thousands, such as km or kN".to_owned(),
+        Rescaling::PowerOfTen(n) => format!("10^{n} of the unit"),
+        Rescaling::Unit(unit) => unit_words(unit).to_owned(),
+        Rescaling::UnitOfModel(unit) => format!("the model is in {}", unit_words(unit)),
     };
-    let factor = format!("{:.4}", by.factor());
-    format!("{name} times {} ({meaning})", factor.trim_end_matches('0').trim_end_matches('.'))
+    format!("{name} times {} ({meaning})", significant(by.factor(), 5))
+}
+
+fn unit_words(unit: OtherUnit) -> &'static str {
+    match unit {
+        OtherUnit::Degrees => "degrees",
+        OtherUnit::Revolutions => "revolutions",
+        OtherUnit::RevolutionsPerMinute => "revolutions per minute",
+        OtherUnit::Minutes => "minutes",
+        OtherUnit::Inches => "inches",
+        OtherUnit::StandardGravity => "multiples of the standard gravity",
+    }
 }
 
 /// What is odd about a cause or its values, as a clause.

@@ -1,0 +1,303 @@
+//! Whether columns are what the model takes them for: their sign, their unit, which is which.
+
+use bracketry_symbolic::Named;
+use bracketry_system::System;
+
+use super::alarm::Alarm;
+use super::held_out::thinned;
+use super::motion::without_findings;
+use crate::effort::Counter;
+use crate::library::OF_COLUMNS;
+use crate::numbers::significant;
+use crate::report::{
+    Closeness, ColumnFault, Excess, NamedCause, Outcome, RefittedParameter, Report, Rescaling, Rival, ScaledColumn,
+    Verdict, VerdictReason,
+};
+use crate::settings::DiagnosisSettings;
+use crate::{DiagnoseError, Estimate, Fit, Formula, Quantity, Record, Study, WindowFit};
+
+/// Reads the columns in every way in which files are usually wrong, before the model as it stands, and refits it with the best ones. A
+/// report if that leaves noise with parameters near their values, and the columns as they are do not.
+///
+/// # Errors
+/// [`DiagnoseError`] as [`Study::new`].
+pub(super) fn wrong_columns(
+    system: &System,
+    plain: &Study,
+    settings: &DiagnosisSettings,
+    counter: &Counter,
+) -> Result<Option<Report>, DiagnoseError> {
+    let limits = &settings.verdict.columns;
+    let trial = Trial { system, records: plain.records(), settings, counter };
+    let as_it_is = trial.judged(plain, limits.windows)?;
+    if as_it_is.is_noise(settings) {
+        return Ok(None);
+    }
+    let few = trial.judged(plain, limits.few_windows)?.mean;
+    let mut tried: Vec<(f64, Reading)> = Vec::new();
+    for reading in readings(system, &plain.records()[0]) {
+        let mean = trial.judged(&trial.study(&reading)?, limits.few_windows)?.mean;
+        if mean < limits.worth * few {
+            tried.push((mean, reading));
+        }
+    }
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    tried.truncate(limits.refitted);
+    let mut found: Vec<(Fit, Alarm, Reading)> = Vec::new();
+    for (_, reading) in tried {
+        let study = trial.study(&reading)?;
+        let Ok(fit) = study.fit(&[], &trial.windows(&study), None) else { continue };
+        let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len(), &settings.verdict.alarm);
+        if (alarm.p_value >= settings.significance || alarm.size <= limits.noise) && !is_far(&fit, limits.far) {
+            found.push((fit, alarm, reading));
+        }
+    }
+    let Some(best) = found.iter().map(|f| moved(&f.0)).min_by(f64::total_cmp) else { return Ok(None) };
+    let refitted = plain.fit(&[], &trial.windows(plain), None).ok();
+    let base = refitted
+        .as_ref()
+        .map(|fit| Alarm::of(&fit.windows, system.states.len(), fit.values.len(), &settings.verdict.alarm));
+    if let (Some(fit), Some(alarm)) = (&refitted, &base) {
+        // Refitted parameters explain the data of the columns as they are, without having moved as far as a unit.
+        let explains = alarm.p_value >= settings.significance || alarm.size <= limits.noise;
+        if explains && (!is_far(fit, limits.change) || best > limits.exact) {
+            return Ok(None);
+        }
+    }
+    // The simplest first: signs, then what needs the least change of parameters.
+    found.sort_by_key(|(_, _, reading)| reading.rank());
+    if found[0].2.rank() > 0 {
+        found.sort_by(|a, b| moved(&a.0).total_cmp(&moved(&b.0)));
+    }
+    Ok(Some(report(system, &found, base.as_ref(), plain)))
+}
+
+/// One way to read the columns.
+#[derive(Clone, Debug, PartialEq)]
+enum Reading {
+    Measured(usize, Rescaling),
+    AllMeasured(Rescaling),
+    Input(usize, Rescaling),
+    SwappedMeasured(usize, usize),
+    SwappedInputs(usize, usize),
+    As(usize, Quantity),
+}
+
+impl Reading {
+    /// Simple ones first.
+    fn rank(&self) -> usize {
+        match self {
+            Self::Measured(_, Rescaling::Sign)
+            | Self::AllMeasured(Rescaling::Sign)
+            | Self::Input(_, Rescaling::Sign) => 0,
+            _ => 1,
+        }
+    }
+
+    fn fault(&self, system: &System, record: &Record) -> ColumnFault {
+        let measured = |c: usize| record.measured[c].name.clone();
+        let input = |i: usize| system.symbol_name(system.inputs[i]).to_owned();
+        match *self {
+            Self::Measured(c, by) => ColumnFault::Scaled { columns: ScaledColumn::Column(measured(c)), by },
+            Self::AllMeasured(by) => ColumnFault::Scaled { columns: ScaledColumn::AllMeasured, by },
+            Self::Input(i, by) => ColumnFault::Scaled { columns: ScaledColumn::Column(input(i)), by },
+            Self::SwappedMeasured(a, b) => ColumnFault::Swapped { first: measured(a), second: measured(b) },
+            Self::SwappedInputs(a, b) => ColumnFault::Swapped { first: input(a), second: input(b) },
+            Self::As(c, quantity) => {
+                ColumnFault::OtherQuantity { column: measured(c), quantity: name_of(system, quantity) }
+            }
+        }
+    }
+
+    /// The records, read in this way.
+    fn of(&self, system: &System, records: &[Record]) -> Vec<Record> {
+        let mut records = records.to_vec();
+        for record in &mut records {
+            match *self {
+                Self::Measured(c, by) => scale_measured(record, c, by.factor()),
+                Self::AllMeasured(by) => {
+                    (0..record.measured.len()).for_each(|c| scale_measured(record, c, by.factor()))
+                }
+                Self::Input(i, by) => {
+                    let derivatives = system.input_derivatives.iter().zip(&mut record.input_derivatives);
+                    let derivatives = derivatives.filter(|(d, _)| d.input == i).map(|(_, signal)| signal);
+                    for signal in record.inputs.get_mut(i).into_iter().chain(derivatives) {
+                        signal.values.iter_mut().for_each(|v| *v *= by.factor());
+                    }
+                }
+                Self::SwappedMeasured(a, b) => {
+                    let first = record.measured[a].quantity;
+                    record.measured[a].quantity = record.measured[b].quantity;
+                    record.measured[b].quantity = first;
+                }
+                Self::SwappedInputs(a, b) => record.inputs.swap(a, b),
+                Self::As(c, quantity) => record.measured[c].quantity = quantity,
+            }
+        }
+        records
+    }
+}
+
+fn scale_measured(record: &mut Record, column: usize, factor: f64) {
+    let Some(m) = record.measured.get_mut(column) else { return };
+    m.values.iter_mut().for_each(|v| *v *= factor);
+    m.noise *= factor.abs();
+}
+
+fn name_of(system: &System, quantity: Quantity) -> String {
+    match quantity {
+        Quantity::State(k) => system.symbol_name(system.states[k]).to_owned(),
+        Quantity::Output(k) => system.outputs[k].0.clone(),
+    }
+}
+
+fn readings(system: &System, record: &Record) -> Vec<Reading> {
+    let (measured, inputs) = (record.measured.len(), record.inputs.len());
+    let mut all = Vec::new();
+    for by in Rescaling::all() {
+        all.extend((0..measured).map(|c| Reading::Measured(c, by)));
+        all.extend((measured > 1).then_some(Reading::AllMeasured(by)));
+        all.extend((0..inputs).map(|i| Reading::Input(i, by)));
+    }
+    all.extend((0..measured).flat_map(|a| (0..a).map(move |b| Reading::SwappedMeasured(b, a))));
+    // Inputs of which derivatives are used are motions that belong to them.
+    if system.input_derivatives.is_empty() {
+        all.extend((0..inputs).flat_map(|a| (0..a).map(move |b| Reading::SwappedInputs(b, a))));
+    }
+    let quantities =
+        (0..system.states.len()).map(Quantity::State).chain((0..system.outputs.len()).map(Quantity::Output));
+    for quantity in quantities {
+        all.extend(
+            (0..measured).filter(|&c| record.measured[c].quantity != quantity).map(|c| Reading::As(c, quantity)),
+        );
+    }
+    all
+}
+
+struct Trial<'a> {
+    system: &'a System,
+    records: &'a [Record],
+    settings: &'a DiagnosisSettings,
+    counter: &'a Counter,
+}
+
+/// How well the model as it stands follows some windows.
+struct Judged {
+    /// Mean square of the residual in units of the noise; infinite where a window cannot be simulated.
+    mean: f64,
+    windows: Vec<WindowFit>,
+    states: usize,
+}
+
+impl Judged {
+    fn is_noise(&self, settings: &DiagnosisSettings) -> bool {
+        let alarm = Alarm::of(&self.windows, self.states, 0, &settings.verdict.alarm);
+        self.mean.is_finite() && alarm.p_value >= settings.significance
+    }
+}
+
+impl Trial<'_> {
+    fn study(&self, reading: &Reading) -> Result<Study, DiagnoseError> {
+        let records = reading.of(self.system, self.records);
+        Study::counted(self.system, &records, &self.settings.study, self.counter)
+    }
+
+    fn windows(&self, study: &Study) -> Vec<usize> {
+        thinned(study.windows().len(), self.settings.verdict.search.most_windows)
+    }
+
+    fn judged(&self, study: &Study, most: usize) -> Result<Judged, DiagnoseError> {
+        let windows = study.evaluate(&study.nominal(), &thinned(study.windows().len(), most))?;
+        let (square, count) = windows.iter().fold((0.0, 0), |(s, n), w| (s + w.square, n + w.count));
+        let mean = if windows.iter().all(|w| w.count > 0) { square / count as f64 } else { f64::INFINITY };
+        Ok(Judged { mean, windows, states: self.system.states.len() })
+    }
+}
+
+/// By how much a parameter has changed, as a factor above 1; infinite where its sign has.
+fn change(e: &Estimate) -> f64 {
+    let ratio = e.value / e.nominal;
+    if e.nominal == 0.0 {
+        1.0
+    } else if ratio > 0.0 {
+        ratio.max(1.0 / ratio)
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// The largest change of a parameter that the data determine.
+fn moved(fit: &Fit) -> f64 {
+    let known = fit.values.iter().enumerate().filter(|(j, _)| !fit.unidentified.contains(j));
+    known.map(|(_, e)| change(e)).fold(1.0, f64::max)
+}
+
+fn is_far(fit: &Fit, most: f64) -> bool {
+    moved(fit) > most
+}
+
+/// The column, or what is measured.
+fn place(fault: &ColumnFault) -> String {
+    let columns = fault.columns();
+    if columns.is_empty() { "all measured columns".to_owned() } else { columns.join(", ") }
+}
+
+/// What it has to be, as `-u` or `0.001*x`.
+fn term(fault: &ColumnFault) -> Formula {
+    let text = match fault {
+        ColumnFault::Scaled { by: Rescaling::Sign, .. } => format!("-{}", place(fault).replace(' ', "_")),
+        ColumnFault::Scaled { by, .. } => format!("{}*{}", significant(by.factor(), 6), place(fault).replace(' ', "_")),
+        ColumnFault::Swapped { first, second } => format!("{first} <-> {second}"),
+        ColumnFault::OtherQuantity { column, quantity } => format!("{column} -> {quantity}"),
+    };
+    Formula::from(text.as_str())
+}
+
+fn shown(system: &System, e: &Estimate) -> RefittedParameter {
+    let unit = system.parameters.iter().find(|p| system.symbol_name(p.symbol) == e.name);
+    let unit = unit.and_then(|p| p.unit.clone()).filter(|unit| unit != "1").unwrap_or_default();
+    RefittedParameter { name: e.name.clone(), before: e.nominal, after: e.value, std: e.std, interval: None, unit }
+}
+
+fn report(system: &System, found: &[(Fit, Alarm, Reading)], base: Option<&Alarm>, plain: &Study) -> Report {
+    let record = &plain.records()[0];
+    let (fit, alarm, reading) = &found[0];
+    let fault = reading.fault(system, record);
+    let others: Vec<ColumnFault> = found[1..].iter().map(|f| f.2.fault(system, record)).collect();
+    let mut confusable_with: Vec<_> = Vec::new();
+    for other in &others {
+        if other.cause() != fault.cause() && !confusable_with.contains(&other.cause()) {
+            confusable_with.push(other.cause());
+        }
+    }
+    let rivals = others.iter().map(|other| Rival {
+        name: other.cause(),
+        equation: place(other),
+        term: term(other),
+        closeness: Closeness::Equal,
+    });
+    let cause = NamedCause {
+        name: fault.cause(),
+        equation: place(&fault),
+        term: term(&fault),
+        parameters: Named(Vec::new()),
+        p_value: base.map(|b| b.p_value),
+        confusable_with,
+        separating_experiment: if others.is_empty() { String::new() } else { OF_COLUMNS.to_owned() },
+        rivals: rivals.collect(),
+        share: None,
+        flags: Vec::new(),
+    };
+    let size = base.map(|b| b.size);
+    Report {
+        verdict: Verdict::of_columns(&fault),
+        reason: VerdictReason {
+            outcome: Outcome::WrongColumns { fault, size, corrected: alarm.size },
+            caveats: Vec::new(),
+        },
+        causes: vec![cause],
+        parameters: fit.values.iter().map(|e| shown(system, e)).collect(),
+        excess: base.map(|b| Excess { refitted: b.size, extended: Some(alarm.size), p_value: b.p_value }),
+        ..without_findings(system)
+    }
+}
