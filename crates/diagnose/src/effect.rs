@@ -27,6 +27,9 @@ pub enum Cause {
     ActuatorLag,
     SensorDelay,
     SensorBias,
+    SensorDrift,
+    DeadZone,
+    Saturation,
     PeriodicDisturbance,
     InertialCoupling,
     JointCoupling,
@@ -120,6 +123,8 @@ pub enum Path {
     SensorDelay,
     /// Offset of a measured column.
     SensorBias,
+    /// Offset of a measured column that grows with the time from the start of a record, per second.
+    SensorDrift,
 }
 
 /// How a model changes. Texts are expressions in the names of the model and of the effect's coefficients.

@@ -118,6 +118,13 @@ impl ExtendedModel {
                     let offset = self.system.pool.sym(symbol);
                     add_offset(&mut self.system, name, offset)?;
                 }
+                Path::SensorDrift => {
+                    let mut names = ModelNames::new(&mut self.system);
+                    let text = format!("{}*{TIME_INPUT}", coefficient.name);
+                    let offset = names.read(&mut self.system.pool, &text)?;
+                    names.register(&mut self.system);
+                    add_offset(&mut self.system, name, offset)?;
+                }
             }
         }
         Ok(())

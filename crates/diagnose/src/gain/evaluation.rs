@@ -81,8 +81,8 @@ pub(super) struct Equations {
     rest: Option<Rest>,
     /// Delay and lag of each input.
     inputs: Vec<(f64, f64)>,
-    /// Name, delay and offset of measured columns.
-    columns: Vec<(String, f64, f64)>,
+    /// Name, and delay, offset, and drift, of measured columns.
+    columns: Vec<(String, [f64; 3])>,
     pub(super) settings: EquationSettings,
 }
 
@@ -117,8 +117,9 @@ impl Equations {
                 match (path, system.input_index(name)) {
                     (Path::InputDelay, Some(i)) => inputs[i].0 += value,
                     (Path::ActuatorLag, Some(i)) => inputs[i].1 += value,
-                    (Path::SensorDelay, _) => columns.push((name.clone(), value, 0.0)),
-                    (Path::SensorBias, _) => columns.push((name.clone(), 0.0, value)),
+                    (Path::SensorDelay, _) => columns.push((name.clone(), [value, 0.0, 0.0])),
+                    (Path::SensorBias, _) => columns.push((name.clone(), [0.0, value, 0.0])),
+                    (Path::SensorDrift, _) => columns.push((name.clone(), [0.0, 0.0, value])),
                     (Path::InputDelay | Path::ActuatorLag, None) => {}
                 }
             }
@@ -287,15 +288,20 @@ impl Equations {
         })
     }
 
-    /// Value, first and second derivative of every measured column, without its delay and offset, up to a bandwidth in Hz.
+    /// Value, first and second derivative of every measured column, without its delay, offset, and drift, up to a bandwidth in Hz.
     fn columns(&self, record: &Record, stretch: &Stretch, bandwidth: f64) -> Option<Vec<Vec<[f64; 3]>>> {
         let range = stretch.from..stretch.to;
         let times = &record.times[range.clone()];
         let of_column = |m: &Measured| {
             let paths = self.columns.iter().filter(|path| path.0 == m.name);
-            let (delay, offset) = paths.fold((0.0, 0.0), |sum, path| (sum.0 + path.1, sum.1 + path.2));
+            let [delay, offset, drift] = paths.fold([0.0; 3], |sum, path| [0, 1, 2].map(|k| sum[k] + path.1[k]));
             let spline = SmoothingSpline::fit(times, &m.values[range.clone()], Bandwidth::Cutoff(bandwidth))?;
-            Some(times.iter().map(|t| spline.at(t + delay)).map(|[x, d, dd]| [x - offset, d, dd]).collect())
+            let start = record.times[0];
+            let exact = |t: &f64| {
+                let [x, d, dd] = spline.at(t + delay);
+                [x - offset - drift * (t + delay - start), d - drift, dd]
+            };
+            Some(times.iter().map(exact).collect())
         };
         record.measured.iter().map(of_column).collect()
     }

@@ -29,7 +29,8 @@ pub fn candidates(
     builder.add_friction()?;
     builder.add_forces()?;
     builder.add_first_order()?;
-    builder.add_paths(records)?;
+    builder.add_actuators(records)?;
+    builder.add_paths(records);
     builder.add_inertia()?;
     builder.add_joints()?;
     Ok(builder.effects)

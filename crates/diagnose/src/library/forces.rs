@@ -182,8 +182,7 @@ impl Builder {
     /// Play between what drives and what is driven.
     ///
     /// Where the equations contain an elastic force between two positions (states or inputs), it acts only beyond half
-    /// the width on either side. Of a force input the play is not seen: the gap would need a state of its own; what
-    /// remains is that forces below a threshold do not reach the load.
+    /// the width on either side. Of a force input the play is not seen: the gap would need a state of its own.
     fn backlash(&mut self) -> Result<(), DiagnoseError> {
         let positions: Vec<(usize, usize, Kind)> =
             self.structure.coordinates.iter().filter_map(|c| c.position.map(|q| (q, c.rate, c.kind))).collect();
@@ -223,15 +222,6 @@ impl Builder {
                 let law = format!("(max({d} - {k}/2, 0) + min({d} + {k}/2, 0) - {d})");
                 self.along(Cause::Backlash, row, &rows, &law, vec![coefficient])?;
             }
-        }
-        for c in self.structure.coordinates.clone() {
-            let Some(u) = c.input else { continue };
-            let name = self.system.symbol_name(self.system.inputs[u]).to_owned();
-            let k = self.name("dead_zone", &name);
-            let about = format!("dead zone: {name} up to this size does not reach the load");
-            let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), "", about) };
-            let law = format!("(max({name} - {k}, 0) + min({name} + {k}, 0) - {name})");
-            self.along(Cause::Backlash, c.rate, &c.force, &law, vec![coefficient])?;
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! The library of causes: effects instantiated on a model from its structure alone.
 
+mod actuators;
 mod apply;
 mod builder;
 mod candidates;

@@ -97,7 +97,7 @@ impl ModelNames {
     }
 
     /// Registers in the system what terms have used beyond what it had.
-    pub(super) fn register(self, system: &mut System) {
+    pub(crate) fn register(self, system: &mut System) {
         system.input_derivatives = self.derivatives;
         if self.uses_time {
             let symbol = system.pool.symbol(TIME_INPUT);

@@ -1,4 +1,4 @@
-//! Effects in signal paths: gains, delays, lags, offsets, and a tracked point off the center of mass.
+//! Effects in signal paths: delays, lags, offsets, drifts, and a tracked point off the center of mass.
 
 use bracketry_numerics::statistics::{median, rms, steps};
 use bracketry_symbolic::{Fence, Joint, Notation, Relation};
@@ -6,7 +6,6 @@ use bracketry_symbolic::{Fence, Joint, Notation, Relation};
 use super::builder::{Builder, amplitude, dissipation, log_grid};
 use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path};
-use crate::error::DiagnoseError;
 use crate::formula::Formula;
 use crate::record::Record;
 use crate::signal::Quantity;
@@ -21,12 +20,9 @@ struct Sensor {
 
 impl Builder {
     /// Effects on inputs and measured columns.
-    pub(crate) fn add_paths(&mut self, records: &[Record]) -> Result<(), DiagnoseError> {
+    pub(crate) fn add_paths(&mut self, records: &[Record]) {
         let interval = interval(records);
         let inputs = self.system.input_names();
-        for (i, u) in inputs.iter().enumerate() {
-            self.gain(i, u)?;
-        }
         let groups: Vec<Vec<String>> = match inputs.len() {
             0 => Vec::new(),
             1 => vec![inputs.clone()],
@@ -60,7 +56,27 @@ impl Builder {
             let term = Formula::new(format!("{name} + {k}"), shown);
             self.path(Cause::SensorBias, Path::SensorBias, vec![name], term, c);
         }
-        Ok(())
+        for s in sensors {
+            self.drift(s, records);
+        }
+    }
+
+    /// A column grows with time beyond what it measures.
+    fn drift(&mut self, sensor: Sensor, records: &[Record]) {
+        let Sensor { name, noise, size, .. } = sensor;
+        let durations = records.iter().filter_map(|r| Some(r.times.last()? - r.times.first()?));
+        let duration = durations.fold(0.0, f64::max);
+        let scale = (0.1 * size).max(noise) / duration;
+        if !(scale > 0.0 && scale.is_finite()) {
+            return;
+        }
+        let k = self.name("drift", &identifier(&name));
+        let about = format!("drift of {name}: change of reading minus true value, per second from the start of a run");
+        let c = Coefficient { scale, ..amplitude(k.clone(), "", about) };
+        let growing = Notation::Product(symbols(&[k.clone(), "t".to_owned()]));
+        let shown = Notation::Sum(vec![Notation::symbol(&name), growing]);
+        let term = Formula::new(format!("{name} + {k}*t"), shown);
+        self.path(Cause::SensorDrift, Path::SensorDrift, vec![name], term, c);
     }
 
     /// The tracked point of a body in the plane lies off its center of mass, if both coordinates are measured.
@@ -95,46 +111,17 @@ impl Builder {
         });
     }
 
-    /// The input and its derivatives act scaled.
-    fn gain(&mut self, index: usize, name: &str) -> Result<(), DiagnoseError> {
-        let u = self.system.inputs[index];
-        let derivatives = self.system.input_derivatives.clone();
-        let symbols: Vec<_> = std::iter::once(u)
-            .chain(derivatives.iter().filter(|d| d.input == index).map(|d| d.symbol))
-            .filter(|&s| self.system.pool.symbols_of(&self.system.dynamics).contains(&s))
-            .collect();
-        let coordinates = &self.structure.coordinates;
-        let rows = coordinates.iter().map(|c| c.rate).chain(self.structure.others.iter().copied());
-        let Some(row) = rows
-            .into_iter()
-            .find(|&r| symbols.iter().any(|&s| self.system.pool.depends_on(self.system.dynamics[r], s)))
-        else {
-            return Ok(());
-        };
-        let k = self.name("gain", name);
-        let about = format!("relative change of {name}: 0 means as commanded");
-        let c = Coefficient { min: -1.0, ..amplitude(k.clone(), "1", about) };
-        let pairs = symbols
-            .iter()
-            .map(|&s| {
-                let text = self.system.symbol_name(s).to_owned();
-                (text.clone(), format!("((1 + {k})*{text})"))
-            })
-            .collect();
-        self.substitution(Cause::InputGain, row, name.to_owned(), pairs, vec![c])
-    }
-
     fn time(&mut self, cause: Cause, path: Path, base: &str, on: &str, signals: Vec<String>, interval: f64) {
         let k = self.name(base, &identifier(on));
         let what = match path {
             Path::ActuatorLag => "follows its command with this time constant",
             Path::InputDelay => "acts this much later than logged",
-            Path::SensorDelay | Path::SensorBias => "is logged this much later than it happens",
+            Path::SensorDelay | Path::SensorBias | Path::SensorDrift => "is logged this much later than it happens",
         };
         let shown = signals.join(", ");
         let term = match path {
             Path::ActuatorLag => Formula::new(format!("{shown}: {k}*der(y) = u - y"), lagged(&signals, &k)),
-            Path::InputDelay | Path::SensorDelay | Path::SensorBias => {
+            Path::InputDelay | Path::SensorDelay | Path::SensorBias | Path::SensorDrift => {
                 Formula::new(format!("{shown}(t - {k})"), delayed(&signals, &k))
             }
         };

@@ -59,6 +59,7 @@ fn family(cause: Cause) -> Family {
         Cause::LinearStiffness | Cause::CubicStiffness => Family::Position,
         Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay => Family::Timing,
         Cause::InputGain | Cause::ParameterError | Cause::SensorBias => Family::Scale,
+        Cause::DeadZone | Cause::Saturation | Cause::SensorDrift => Family::Other,
         Cause::InertialCoupling | Cause::JointCoupling => Family::Coupling,
         Cause::FrictionCoupling
         | Cause::AnisotropicFriction
@@ -309,6 +310,9 @@ fn isolating(e: &Effect, system: &System) -> String {
         Cause::InputGain | Cause::ParameterError => "scale the input by two".to_owned(),
         Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay => "add fast content to the input".to_owned(),
         Cause::SensorBias => format!("read {v} at rest against a second instrument"),
+        Cause::SensorDrift => format!("read {v} at rest over a long time"),
+        Cause::DeadZone => format!("apply small values of {v}, growing slowly from 0"),
+        Cause::Saturation => format!("repeat with {v} at half its size"),
         Cause::PeriodicDisturbance if e.coefficients.iter().any(|c| c.period_of.as_deref() == Some(TIME_INPUT)) => {
             "record once with the input at rest".to_owned()
         }

@@ -153,6 +153,12 @@ settings! {
         sure: f64 = 2.0,
         /// One-sided level at which a parameter must have left its tolerance.
         outside_tolerance: f64 = 0.05,
+        /// A saturation acts on at least this share of the samples of its input.
+        least_beyond_limit: f64 = 0.01,
+        /// Causes must take at least this share of the error away with which held-out data are predicted at the longest horizon.
+        least_gain: f64 = 0.01,
+        /// Where structure remains, causes have a name if they take at least this share of that error away.
+        clear_gain: f64 = 0.3,
         /// Most candidates in the report.
         listed_candidates: usize = 15,
         /// Fewest windows that are resampled.
@@ -172,10 +178,10 @@ settings! {
 
     /// Columns that are not what the model takes them for: sign, unit, order.
     ColumnSettings {
-        /// Windows by which readings of the columns are compared first.
-        few_windows: usize = 3,
-        /// Windows by which the model as it stands is judged.
+        /// Windows by which the model as it stands is judged; a reading of the columns is judged by the worst of them first.
         windows: usize = 8,
+        /// There, the initial state is fitted until a step takes less than this share of the sum of squares away.
+        roughly: f64 = 0.9,
         /// A reading is worth a fit if the model as it stands leaves at most this share of the squares that it leaves with the columns as
         /// they are.
         worth: f64 = 0.25,

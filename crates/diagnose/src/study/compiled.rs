@@ -163,7 +163,7 @@ fn target(system: &System, records: &[Record], effect: &Effect, number: usize) -
             let inputs = signals.iter().map(|name| input_index(system, name));
             Ok(Target::Input(*path, inputs.collect::<Result<_, _>>()?))
         }
-        Path::SensorDelay | Path::SensorBias => {
+        Path::SensorDelay | Path::SensorBias | Path::SensorDrift => {
             let known: Vec<String> = records.iter().flat_map(|r| &r.measured).map(|m| m.name.clone()).collect();
             match signals.iter().find(|s| !known.contains(s)) {
                 Some(name) => Err(unknown("measured column", name, &known)),

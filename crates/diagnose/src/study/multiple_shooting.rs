@@ -180,9 +180,19 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError`] for effects that do not fit the model.
     pub fn evaluate(&self, fit: &Fit, windows: &[usize]) -> Result<Vec<WindowFit>, DiagnoseError> {
+        self.evaluate_until(fit, windows, self.settings.solver.settled_share)
+    }
+
+    /// As [`Study::evaluate`], until a step takes less than `share` of the sum of squares away.
+    pub(crate) fn evaluate_until(
+        &self,
+        fit: &Fit,
+        windows: &[usize],
+        share: f64,
+    ) -> Result<Vec<WindowFit>, DiagnoseError> {
         let compiled = self.compiled(&fit.effects)?;
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
-        settle_all(&mut slots, &compiled, &theta_of(fit), self.settings.solver.settled_share);
+        settle_all(&mut slots, &compiled, &theta_of(fit), share);
         Ok(slots.iter().map(Slot::report).collect())
     }
 

@@ -46,13 +46,21 @@ pub(super) struct Delayed {
     pub(super) late: Vec<f64>,
 }
 
+/// The path of a measured column.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct ColumnPath {
+    delay: f64,
+    offset: f64,
+    /// Growth of the offset per second from the start of the record.
+    drift: f64,
+}
+
 /// The paths of the signals, for some values of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
 struct SignalPaths {
     /// Delay and lag of each input.
     inputs: Vec<(f64, f64)>,
-    /// Delay and offset of each column.
-    columns: Vec<(f64, f64)>,
+    columns: Vec<ColumnPath>,
     /// A tracked point off the center of mass, and where it is.
     tracked: Option<(TrackedPoint, [f64; 2])>,
 }
@@ -139,7 +147,7 @@ impl<'a> Runner<'a> {
     fn paths(&self, theta: &[f64]) -> SignalPaths {
         let mut paths = SignalPaths {
             inputs: vec![(0.0, 0.0); self.record.inputs.len()],
-            columns: vec![(0.0, 0.0); self.record.measured.len()],
+            columns: vec![ColumnPath::default(); self.record.measured.len()],
             tracked: None,
         };
         for (value, target) in theta.iter().zip(&self.compiled.targets) {
@@ -152,7 +160,9 @@ impl<'a> Runner<'a> {
                     for &i in inputs {
                         match path {
                             Path::ActuatorLag => paths.inputs[i].1 += value,
-                            Path::InputDelay | Path::SensorDelay | Path::SensorBias => paths.inputs[i].0 += value,
+                            Path::InputDelay | Path::SensorDelay | Path::SensorBias | Path::SensorDrift => {
+                                paths.inputs[i].0 += value;
+                            }
                         }
                     }
                 }
@@ -160,8 +170,9 @@ impl<'a> Runner<'a> {
                     for (column, m) in paths.columns.iter_mut().zip(&self.record.measured) {
                         if names.contains(&m.name) {
                             match path {
-                                Path::SensorBias => column.1 += value,
-                                Path::SensorDelay | Path::InputDelay | Path::ActuatorLag => column.0 += value,
+                                Path::SensorBias => column.offset += value,
+                                Path::SensorDrift => column.drift += value,
+                                Path::SensorDelay | Path::InputDelay | Path::ActuatorLag => column.delay += value,
                             }
                         }
                     }
@@ -181,11 +192,11 @@ impl<'a> Runner<'a> {
             }
         }
         let old = self.paths.as_ref();
-        let delays = |w: &SignalPaths| w.columns.iter().map(|c| c.0).collect::<Vec<_>>();
+        let delays = |w: &SignalPaths| w.columns.iter().map(|c| c.delay).collect::<Vec<_>>();
         if old.is_none_or(|old| delays(old) != delays(&paths)) {
             self.make_schedule(&paths);
         }
-        let start = self.record.times[self.window.from] - paths.columns.iter().map(|c| c.0).fold(0.0, f64::max);
+        let start = self.record.times[self.window.from] - paths.columns.iter().map(|c| c.delay).fold(0.0, f64::max);
         let moved = start != self.start;
         self.start = start;
         for d in &self.compiled.driven {
@@ -216,7 +227,8 @@ impl<'a> Runner<'a> {
     fn make_schedule(&mut self, paths: &SignalPaths) {
         self.schedule.clear();
         for sample in 0..self.samples() {
-            for (column, (delay, _)) in paths.columns.iter().enumerate() {
+            for (column, path) in paths.columns.iter().enumerate() {
+                let delay = path.delay;
                 self.schedule.push(Reading { t: self.record.times[self.window.from + sample] - delay, column, sample });
             }
         }
@@ -256,7 +268,8 @@ impl<'a> Runner<'a> {
             }
             let value = self.shown(t, column, &mut outputs)?;
             let at = column * m + sample;
-            out[at] = if self.present[at] { (value + offsets[column]) * self.weights[column] } else { 0.0 };
+            let offset = offsets[column].offset + offsets[column].drift * self.elapsed(sample);
+            out[at] = if self.present[at] { (value + offset) * self.weights[column] } else { 0.0 };
         }
         Ok(())
     }
@@ -283,8 +296,9 @@ impl<'a> Runner<'a> {
         let mut outputs = None;
         for (t, sample, late) in readings {
             self.reach(t)?;
-            for (column, offset) in offsets.iter().enumerate() {
+            for (column, path) in offsets.iter().enumerate() {
                 let value = self.shown(t, column, &mut outputs)?;
+                let offset = path.offset + path.drift * self.elapsed(sample);
                 let at = column * m + sample;
                 if self.present[at] {
                     let out = if late { &mut both.late } else { &mut both.now };
@@ -295,12 +309,17 @@ impl<'a> Runner<'a> {
         Ok(both)
     }
 
-    /// Goes to the start with an initial state; the offsets of the columns.
-    fn begin(&mut self, theta: &[f64], x0: &[f64]) -> Result<Vec<f64>, Failure> {
+    /// Time of a sample of the window from the start of the record, s.
+    fn elapsed(&self, sample: usize) -> f64 {
+        self.record.times[self.window.from + sample] - self.record.times[0]
+    }
+
+    /// Goes to the start with an initial state; the paths of the columns.
+    fn begin(&mut self, theta: &[f64], x0: &[f64]) -> Result<Vec<ColumnPath>, Failure> {
         self.set(theta)?;
         let start = self.start;
         self.stepper.set_state(start, x0).map_err(|e| Failure { t: start, reason: e.to_string() })?;
-        Ok(self.paths.iter().flat_map(|w| w.columns.iter().map(|c| c.1)).collect())
+        Ok(self.paths.iter().flat_map(|w| w.columns.iter().copied()).collect())
     }
 
     /// Simulates until a time.
@@ -344,17 +363,20 @@ impl<'a> Runner<'a> {
         Some(after.steps + after.rejected - before.steps - before.rejected)
     }
 
-    /// Adds to `out` what changes when an offset of columns changes by one, if the unknown is such an offset.
+    /// Adds to `out` what changes when an offset or a drift of columns changes by one, if the unknown is one.
     pub(super) fn offset_column(&self, unknown: usize, out: &mut [f64]) -> bool {
-        let Target::Column(Path::SensorBias, names) = &self.compiled.targets[unknown] else {
+        let Target::Column(path @ (Path::SensorBias | Path::SensorDrift), names) = &self.compiled.targets[unknown]
+        else {
             return false;
         };
         let m = self.samples();
         out.fill(0.0);
         for (column, measured) in self.record.measured.iter().enumerate() {
             if names.contains(&measured.name) {
-                for at in column * m..(column + 1) * m {
-                    out[at] = if self.present[at] { self.weights[column] } else { 0.0 };
+                for sample in 0..m {
+                    let at = column * m + sample;
+                    let by = if *path == Path::SensorDrift { self.elapsed(sample) } else { 1.0 };
+                    out[at] = if self.present[at] { by * self.weights[column] } else { 0.0 };
                 }
             }
         }

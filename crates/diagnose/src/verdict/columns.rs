@@ -29,16 +29,23 @@ pub(super) fn wrong_columns(
 ) -> Result<Option<Report>, DiagnoseError> {
     let limits = &settings.verdict.columns;
     let trial = Trial { system, records: plain.records(), settings, counter };
-    let as_it_is = trial.judged(plain, limits.windows)?;
+    let some = thinned(plain.windows().len(), limits.windows);
+    let share = settings.study.solver.settled_share;
+    let as_it_is = trial.judged(plain, &some, share)?;
     if as_it_is.is_noise(settings) {
         return Ok(None);
     }
-    let few = trial.judged(plain, limits.few_windows)?.mean;
+    // The window that shows most comes first: most readings fail there already.
+    let worst = as_it_is.worst();
+    let as_it_is = [trial.judged(plain, &[worst], limits.roughly)?.mean, as_it_is.mean];
     let mut tried: Vec<(f64, Reading)> = Vec::new();
     for reading in readings(system, &plain.records()[0]) {
-        let mean = trial.judged(&trial.study(&reading)?, limits.few_windows)?.mean;
-        if mean < limits.worth * few {
-            tried.push((mean, reading));
+        let study = trial.study(&reading)?;
+        if trial.judged(&study, &[worst], limits.roughly)?.mean < limits.worth * as_it_is[0] {
+            let mean = trial.judged(&study, &some, share)?.mean;
+            if mean < limits.worth * as_it_is[1] {
+                tried.push((mean, reading));
+            }
         }
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -190,6 +197,12 @@ struct Judged {
 }
 
 impl Judged {
+    /// The window that is followed worst.
+    fn worst(&self) -> usize {
+        let mean = |w: &WindowFit| if w.count > 0 { w.square / w.count as f64 } else { f64::INFINITY };
+        self.windows.iter().max_by(|a, b| mean(a).total_cmp(&mean(b))).map_or(0, |w| w.window)
+    }
+
     fn is_noise(&self, settings: &DiagnosisSettings) -> bool {
         let alarm = Alarm::of(&self.windows, self.states, 0, &settings.verdict.alarm);
         self.mean.is_finite() && alarm.p_value >= settings.significance
@@ -206,8 +219,8 @@ impl Trial<'_> {
         thinned(study.windows().len(), self.settings.verdict.search.most_windows)
     }
 
-    fn judged(&self, study: &Study, most: usize) -> Result<Judged, DiagnoseError> {
-        let windows = study.evaluate(&study.nominal(), &thinned(study.windows().len(), most))?;
+    fn judged(&self, study: &Study, windows: &[usize], share: f64) -> Result<Judged, DiagnoseError> {
+        let windows = study.evaluate_until(&study.nominal(), windows, share)?;
         let (square, count) = windows.iter().fold((0.0, 0), |(s, n), w| (s + w.square, n + w.count));
         let mean = if windows.iter().all(|w| w.count > 0) { square / count as f64 } else { f64::INFINITY };
         Ok(Judged { mean, windows, states: self.system.states.len() })

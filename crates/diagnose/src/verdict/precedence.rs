@@ -24,8 +24,8 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
         | Cause::JointCoupling
         | Cause::ComOffset => 0.5,
         Cause::ActuatorLag | Cause::AnisotropicFriction => 0.75,
-        Cause::SensorDelay | Cause::CubicStiffness | Cause::SensorBias => 1.0,
-        Cause::PeriodicDisturbance | Cause::Backlash | Cause::LiftOff => 1.5,
+        Cause::SensorDelay | Cause::CubicStiffness | Cause::SensorBias | Cause::DeadZone | Cause::Saturation => 1.0,
+        Cause::SensorDrift | Cause::PeriodicDisturbance | Cause::Backlash | Cause::LiftOff => 1.5,
         Cause::WrongSign | Cause::WrongUnit | Cause::SwappedColumns | Cause::WrongColumn => 1.5,
         Cause::UnknownTerm => 8.0,
     };

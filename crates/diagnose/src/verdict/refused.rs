@@ -1,4 +1,5 @@
-//! Causes that are not named, however much they gain: those that may as well have no effect, and friction that drives.
+//! Causes that are not named, however much they gain: those that may as well have no effect, friction that drives, and limits that hardly any
+//! sample reaches.
 
 use super::explanation::Explanation;
 use super::noise::Scatter;
@@ -40,7 +41,11 @@ fn without_refused(
     let mut least: Option<Explanation> = None;
     for &member in &chosen.members {
         let effect = &search.candidates[member];
-        if !drives(effect, &fit) && !may_be_nothing(effect, interval) {
+        let beyond = settings.verdict.naming.least_beyond_limit;
+        let refused = drives(effect, &fit)
+            || may_be_nothing(effect, interval)
+            || share_beyond(search, effect, &fit).is_some_and(|share| share < beyond);
+        if !refused {
             continue;
         }
         let rest = search.without(chosen, member);
@@ -64,6 +69,19 @@ pub(super) fn may_be_nothing(effect: &Effect, interval: impl Fn(&str) -> Option<
     let mut amplitudes = effect.coefficients.iter().filter(|c| c.role == Role::Amplitude).peekable();
     amplitudes.peek().is_some()
         && amplitudes.all(|c| interval(&c.name).is_some_and(|[low, high]| low <= c.nominal && c.nominal <= high))
+}
+
+/// Share of the samples of an input that lie beyond the limit of a saturation; `None` for other effects. A few extreme samples take on what
+/// other causes leave.
+fn share_beyond(search: &Search<'_>, effect: &Effect, fit: &Fit) -> Option<f64> {
+    let limit = effect.coefficients.first().filter(|_| effect.cause == Cause::Saturation)?;
+    let value = fit.estimate(&limit.name)?.value;
+    let system = search.study.system();
+    let index = system.inputs.iter().position(|&u| system.symbol_name(u) == effect.equation)?;
+    let signals = search.study.records().iter().filter_map(|record| record.inputs.get(index));
+    let samples: Vec<f64> = signals.flat_map(|signal| signal.values.iter().copied()).collect();
+    let is_beyond = |u: f64| if limit.physical_sign < 0 { u > value || -u > value } else { u < value };
+    Some(samples.iter().filter(|&&u| is_beyond(u)).count() as f64 / samples.len().max(1) as f64)
 }
 
 /// Whether an amplitude has the sign that physics does not want: a drag or a friction that drives. Friction that rises from

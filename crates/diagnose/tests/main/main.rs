@@ -4,6 +4,7 @@
 #[path = "../../../../tests/main/common/tier.rs"]
 mod tier;
 
+mod actuators;
 mod apply;
 mod archives;
 mod audits;

@@ -1,0 +1,102 @@
+//! Inputs and sensors that do not show what they are taken for: dead zones, saturations, drifts.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use bracketry_diagnose::{Cause, DiagnosisSettings, Record, RecordSettings, Report, Verdict, diagnose};
+use bracketry_system::System;
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, Normal};
+
+const SPRING: &str = r#"
+    states = ["x", "v"]
+    inputs = ["F"]
+    parameters = { m = 1.0, k = 20.0, c = 0.5 }
+    dynamics = { x = "v", v = "(F - k*x - c*v)/m" }
+"#;
+/// Time between samples, s.
+const STEP: f64 = 0.01;
+
+/// Ten seconds of the spring under a force that is held between samples; `arriving` is what acts of it, and the position reads what it is
+/// plus `drift` times the time.
+fn record(seed: u64, arriving: impl Fn(f64) -> f64, drift: f64) -> Record {
+    let mut random = StdRng::seed_from_u64(seed);
+    let lines: Vec<(f64, f64)> =
+        (0..12).map(|_| (random.random_range(0.2..2.5), random.random_range(0.0..TAU))).collect();
+    let force = |t: f64| lines.iter().map(|(f, p)| (TAU * f * t + p).sin()).sum::<f64>() * 1.6;
+    let [mut times, mut forces, mut positions, mut velocities] = [const { Vec::new() }; 4];
+    let mut z = [0.1, 0.0];
+    for k in 0..1000 {
+        let t = f64::from(k) * STEP;
+        times.push(t);
+        forces.push(force(t));
+        positions.push(z[0] + drift * t);
+        velocities.push(z[1]);
+        let acting = arriving(force(t));
+        for _ in 0..20 {
+            z = crate::integrate::step(|z: &[f64; 2], _| [z[1], acting - 20.0 * z[0] - 0.5 * z[1]], &z, STEP / 20.0);
+        }
+    }
+    for values in [&mut positions, &mut velocities] {
+        let size = (values.iter().map(|v| v * v).sum::<f64>() / 1000.0).sqrt();
+        let noise = Normal::new(0.0, 0.01 * size).unwrap();
+        values.iter_mut().for_each(|v| *v += noise.sample(&mut random));
+    }
+    let columns = BTreeMap::from([("F", forces), ("x", positions), ("v", velocities)].map(|(n, v)| (n.to_owned(), v)));
+    let system = System::parse("spring.toml", SPRING).unwrap();
+    Record::from_columns("run.csv", times, columns, &system, &RecordSettings::default()).unwrap()
+}
+
+fn verdict(record: Record) -> Report {
+    let system = System::parse("spring.toml", SPRING).unwrap();
+    diagnose(&system, &[record], &[], &DiagnosisSettings::default(), &mut |_| {}).unwrap()
+}
+
+/// What the report names alone, with its one value.
+fn named(report: &Report) -> (Cause, f64) {
+    let terms: Vec<&str> = report.causes.iter().map(|c| c.term.text()).collect();
+    assert_eq!((report.verdict, terms.len()), (Verdict::CauseFound, 1), "{terms:?}: {:?}", report.excess);
+    (report.causes[0].name, report.causes[0].parameters[0].1.value)
+}
+
+#[test]
+fn a_dead_zone_is_named_with_its_width() {
+    for (seed, width) in [(1, 0.5), (2, 1.5)] {
+        let report = verdict(record(seed, |u| u.signum() * (u.abs() - width).max(0.0), 0.0));
+        let (cause, value) = named(&report);
+        assert!(cause == Cause::DeadZone && (value - width).abs() < 0.1, "{width}: {report:?}");
+    }
+}
+
+#[test]
+fn a_saturation_is_named_with_its_limit_and_its_side() {
+    for (seed, low, high) in [(3, -4.0, 4.0), (4, f64::NEG_INFINITY, 3.0), (5, -3.0, f64::INFINITY), (6, -2.5, 2.5)] {
+        let report = verdict(record(seed, |u| u.clamp(low, high), 0.0));
+        let (cause, value) = named(&report);
+        let limit = if high.is_finite() { high } else { low };
+        assert!(cause == Cause::Saturation && (value - limit).abs() < 0.2, "{low} {high}: {report:?}");
+        let term = report.causes[0].term.text();
+        assert_eq!(term.contains("max") && term.contains("min"), low.is_finite() && high.is_finite(), "{term}");
+    }
+}
+
+#[test]
+fn a_sensor_that_drifts_is_named_with_its_rate() {
+    for (seed, rate) in [(7, 0.01), (8, -0.03)] {
+        let report = verdict(record(seed, |u| u, rate));
+        let (cause, value) = named(&report);
+        assert!(cause == Cause::SensorDrift && (value - rate).abs() < 0.1 * rate.abs(), "{rate}: {report:?}");
+        // The extended model reads the same: its output grows with the time, which is a state.
+        let model = &report.evidence.model.as_ref().unwrap().system;
+        assert!(model.state_names().contains(&"time".to_owned()) && model.outputs.len() == 1, "{report:?}");
+    }
+}
+
+/// What hardly any sample reaches is no saturation, whatever it takes away.
+#[test]
+fn a_limit_that_one_sample_exceeds_is_not_named() {
+    let peak = record(9, |u| u, 0.0).inputs[0].values.iter().copied().fold(0.0, f64::max);
+    let report = verdict(record(9, |u| u.min(0.98 * peak), 0.0));
+    assert!(report.causes.iter().all(|c| c.name != Cause::Saturation), "{report:?}");
+}
