@@ -58,7 +58,7 @@ pub use record::Record;
 pub use report::{
     Candidate, Caveat, Closeness, ColumnFault, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note,
     OtherHold, OtherUnit, Outcome, Place, RefittedParameter, Regime, Repetition, Report, Rescaling,
-    ResidualAcceleration, Rival, ScaledColumn, Value, Verdict, VerdictReason,
+    ResidualAcceleration, Rival, ScaledColumn, SmallGain, Value, Verdict, VerdictReason,
 };
 pub use settings::{
     AlarmSettings, ColumnSettings, ConsistencySettings, DiagnosisSettings, EquationSettings, GainSettings,

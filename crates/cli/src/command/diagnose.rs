@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    DiagnosisSettings, Record, RecordSettings, Report, StudySettings, Verdict, diagnose, read_record,
-    reference_candidates,
+    DiagnosisSettings, Record, RecordSettings, Report, StudySettings, diagnose, read_record, reference_candidates,
 };
 use bracketry::lie::analysis::RankChange;
 use bracketry::sim::Hold;
@@ -148,15 +147,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
 }
 
 fn outcome(report: &Report) -> Outcome {
-    match report.verdict {
-        Verdict::CauseFound | Verdict::NothingFound => Outcome::Done,
-        Verdict::Unexplained
-        | Verdict::Uninformative
-        | Verdict::WrongSign
-        | Verdict::WrongUnit
-        | Verdict::SwappedColumns
-        | Verdict::WrongColumn => Outcome::Negative,
-    }
+    if report.verdict.is_conclusive() { Outcome::Done } else { Outcome::Negative }
 }
 
 /// Writes report and figures.

@@ -1,6 +1,6 @@
 //! What follows from the fits of a report: intervals, the extended model, the gain.
 
-use super::diagnosis::{Report, Verdict};
+use super::diagnosis::Report;
 use super::note::Note;
 use crate::error::DiagnoseError;
 use crate::extend::ExtendedModel;
@@ -52,7 +52,7 @@ impl Report {
             self.notes.push(Note::NoInterval(alike));
         }
         self.evidence.refitted = Some(refitted.clone());
-        if self.verdict != Verdict::CauseFound {
+        if !self.verdict.extends_the_model() {
             return Ok(());
         }
         self.evidence.extended = Some(extended.clone());

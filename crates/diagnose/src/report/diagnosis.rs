@@ -24,6 +24,12 @@ use crate::study::Fit;
 pub enum Verdict {
     /// The model lacks something that has a name, or a parameter is wrong by more than its tolerance.
     CauseFound,
+    /// What the model lacks is a term without a name in the library.
+    UnknownTerm,
+    /// Terms explain a part of the residual, but held-out data are predicted so little better that they have no name.
+    PartlyExplained,
+    /// What explains the data of the fit predicts held-out data no better than the model without it.
+    NoGain,
     /// The residual of the refitted model is noise.
     NothingFound,
     /// The residual of the refitted model is more than noise, and no candidate explains it.
@@ -231,6 +237,16 @@ pub struct Evidence {
 }
 
 impl Verdict {
+    /// Whether there are causes with which the model is extended.
+    pub fn extends_the_model(self) -> bool {
+        matches!(self, Self::CauseFound | Self::UnknownTerm | Self::PartlyExplained)
+    }
+
+    /// Whether this is an answer; otherwise the reason says what to do next.
+    pub fn is_conclusive(self) -> bool {
+        matches!(self, Self::CauseFound | Self::UnknownTerm | Self::NothingFound)
+    }
+
     /// That of columns which are read wrongly.
     pub(crate) fn of_columns(fault: &ColumnFault) -> Self {
         match fault {
@@ -246,6 +262,9 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Verdict::CauseFound => "cause found",
+            Verdict::UnknownTerm => "unknown term",
+            Verdict::PartlyExplained => "partly explained",
+            Verdict::NoGain => "no gain",
             Verdict::NothingFound => "nothing found",
             Verdict::Unexplained => "unexplained",
             Verdict::Uninformative => "uninformative data",

@@ -52,8 +52,14 @@ pub enum Outcome {
         /// What was explained in the data of the fit.
         share: f64,
     },
-    /// The causes explain the data of the fit, but with them held-out data are predicted worse at every horizon.
-    PredictsWorse(Vec<Cause>),
+    /// The causes explain the data of the fit, but with them held-out data are predicted no better at the longest horizon, or no better than
+    /// by a constant.
+    NoGain {
+        /// Their names.
+        causes: Vec<Cause>,
+        /// The errors.
+        gain: SmallGain,
+    },
     /// The model explains the data once columns are read otherwise.
     WrongColumns {
         /// How they are to be read.
@@ -85,6 +91,19 @@ pub enum Caveat {
     OtherHold(OtherHold),
     /// A run for validation is mispredicted.
     Mispredicted(Mispredicted),
+    /// Held-out data are predicted only a little better.
+    SmallGain(SmallGain),
+}
+
+/// Errors of predictions at the longest horizon, relative to the standard deviation of what is predicted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmallGain {
+    /// The horizon, s.
+    pub horizon: f64,
+    /// Without the causes: of the model as given or refitted, whichever predicts better.
+    pub before: f64,
+    /// With the causes.
+    pub after: f64,
 }
 
 /// Excess of the refitted model with the other input hold.

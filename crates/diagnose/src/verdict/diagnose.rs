@@ -251,7 +251,7 @@ fn written(
     let width = findings.scatter.width();
     let fits = Fits { refitted: &findings.base.fit, extended: &findings.chosen.fit, width };
     report.complete(search.study, fits, validate, settings)?;
-    report.withdraw_if_refuted();
+    report.weigh_gain(&settings.verdict.naming);
     add_caveats(&mut report, system, search, findings, validate, settings)?;
     Ok(report)
 }
@@ -277,7 +277,7 @@ fn add_caveats(
         && let Some(other) = other_hold(system, search, findings, settings)?
     {
         report.reason.caveats.push(Caveat::OtherHold(other));
-        if other.stays.is_none() && report.verdict == Verdict::CauseFound {
+        if other.stays.is_none() && report.verdict.extends_the_model() {
             report.withdraw();
         }
         report.notes.push(Note::OtherHold(other));

@@ -3,10 +3,9 @@
 use super::explanation::Explanation;
 use super::noise::Scatter;
 use super::search::Search;
-use crate::gain::Gain;
-use crate::report::{Note, Outcome, Report, Verdict};
-use crate::settings::DiagnosisSettings;
-use crate::{Effect, Role};
+use crate::report::{Caveat, Note, Outcome, Report, SmallGain, Verdict};
+use crate::settings::{DiagnosisSettings, NamingSettings};
+use crate::{Cause, Effect, Role};
 
 /// Improvement by a member of an explanation: decrease of the sum of squares and its p-value, corrected for the number of
 /// `tests`; `None` where the explanation without it cannot be fitted.
@@ -61,14 +60,34 @@ fn sizeable(effect: &Effect, explanation: &Explanation, times: f64, scatter: &Sc
 }
 
 impl Report {
-    /// Takes the causes back if with them data that played no part in the fit are predicted worse at every horizon.
-    pub(super) fn withdraw_if_refuted(&mut self) {
-        let refuted = self.verdict == Verdict::CauseFound && self.gain.as_ref().is_some_and(worse_at_all);
-        if !refuted {
+    /// Takes the causes back if with them data that played no part in the fit are predicted no better at the longest horizon, or no better
+    /// than by a constant; takes their names if the improvement is small and structure remains.
+    pub(super) fn weigh_gain(&mut self, limits: &NamingSettings) {
+        let Some(gain) = self.gain.as_ref().filter(|gain| gain.held_out && self.verdict.extends_the_model()) else {
             return;
+        };
+        let (Some(&horizon), Some(&refitted), Some(&given), Some(&after)) =
+            (gain.horizons_s.last(), gain.before.last(), gain.as_given.last(), gain.after.last())
+        else {
+            return;
+        };
+        let before = refitted.min(given);
+        let small = SmallGain { horizon, before, after };
+        if !(after < (1.0 - limits.least_gain) * before && after < 1.0) {
+            let causes = self.causes.iter().map(|c| c.name).collect();
+            self.reason.outcome = Outcome::NoGain { causes, gain: small };
+            self.withdraw();
+            self.verdict = Verdict::NoGain;
+        } else if matches!(self.reason.outcome, Outcome::PartlyExplained { .. })
+            && after > (1.0 - limits.clear_gain) * before
+        {
+            for cause in self.causes.iter_mut().filter(|c| c.name != Cause::UnknownTerm) {
+                cause.confusable_with.insert(0, cause.name);
+                cause.name = Cause::UnknownTerm;
+            }
+            self.reason.caveats.push(Caveat::SmallGain(small));
+            self.verdict = Verdict::PartlyExplained;
         }
-        self.reason.outcome = Outcome::PredictsWorse(self.causes.iter().map(|c| c.name).collect());
-        self.withdraw();
     }
 
     /// Takes the causes back, and what was made with them.
@@ -85,9 +104,4 @@ impl Report {
         self.evidence.model = None;
         self.evidence.held_out = None;
     }
-}
-
-/// Whether the error is larger after than before at every horizon.
-fn worse_at_all(gain: &Gain) -> bool {
-    gain.held_out && !gain.after.is_empty() && gain.before.iter().zip(&gain.after).all(|(before, after)| after > before)
 }

@@ -50,9 +50,10 @@ pub(super) fn report(
     let verdict = match findings.ending {
         Ending::Unexplained(_) | Ending::Refuted(_) => Verdict::Unexplained,
         _ if causes.is_empty() => Verdict::NothingFound,
+        _ if causes.iter().all(|c| c.name == Cause::UnknownTerm) => Verdict::UnknownTerm,
         _ => Verdict::CauseFound,
     };
-    let extended = (verdict == Verdict::CauseFound).then_some(&findings.chosen);
+    let extended = verdict.extends_the_model().then_some(&findings.chosen);
     Report {
         model: system.name.clone(),
         verdict,

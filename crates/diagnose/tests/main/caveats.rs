@@ -112,7 +112,7 @@ fn verdict(record: Record, validate: &[Record]) -> Report {
 fn other_hold(report: &Report) -> Option<Hold> {
     report.reason.caveats.iter().find_map(|caveat| match caveat {
         Caveat::OtherHold(other) => Some(other.hold),
-        Caveat::Mispredicted(_) => None,
+        _ => None,
     })
 }
 

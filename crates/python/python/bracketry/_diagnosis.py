@@ -114,7 +114,19 @@ class Diagnosis(Result):
     """What a model gets wrong in measured data: the cause by name, the extended model, the gain."""
 
     model: str
-    verdict: Literal["cause_found", "nothing_found", "unexplained", "uninformative"]
+    verdict: Literal[
+        "cause_found",
+        "unknown_term",
+        "partly_explained",
+        "no_gain",
+        "nothing_found",
+        "unexplained",
+        "uninformative",
+        "wrong_sign",
+        "wrong_unit",
+        "swapped_columns",
+        "wrong_column",
+    ]
     #: Why, in a sentence.
     reason: str
     causes: list[Cause]

@@ -2,7 +2,7 @@
 
 use bracketry_diagnose::{
     Caveat, Closeness, ColumnFault, Flag, Mispredicted, NoMotion, Note, OtherHold, OtherUnit, Outcome, Regime,
-    Repetition, Rescaling, ScaledColumn, VerdictReason, significant,
+    Repetition, Rescaling, ScaledColumn, SmallGain, VerdictReason, significant,
 };
 use bracketry_sim::Hold;
 
@@ -15,6 +15,11 @@ pub(super) fn reason(reason: &VerdictReason) -> String {
     let caveats = reason.caveats.iter().map(|caveat| match caveat {
         Caveat::OtherHold(other) => format!("; but {}", other_hold(other)),
         Caveat::Mispredicted(run) => format!("; but {}", mispredicted(run)),
+        Caveat::SmallGain(gain) => format!(
+            "; but {}: the terms keep no name; record runs in which the model fails more clearly, or repeat with --window {}",
+            small_gain(gain),
+            significant(0.25 * gain.horizon, 2)
+        ),
     });
     std::iter::once(outcome(&reason.outcome)).chain(caveats).collect()
 }
@@ -54,12 +59,13 @@ fn outcome(outcome: &Outcome) -> String {
              the excess",
             most(*share)
         ),
-        Outcome::PredictsWorse(causes) => {
+        Outcome::NoGain { causes, gain } => {
             let names: Vec<String> = causes.iter().map(ToString::to_string).collect();
-            let (explain, them) = if names.len() == 1 { ("explains", "it") } else { ("explain", "them") };
+            let explain = if names.len() == 1 { "explains" } else { "explain" };
             format!(
-                "{} {explain} the fitted data, but predictions of held-out data are worse with {them} at every horizon",
-                names.join(" and ")
+                "{} {explain} the fitted data, but {}: not named; fit more runs, or runs that differ more",
+                names.join(" and "),
+                small_gain(gain)
             )
         }
         Outcome::WrongColumns { fault, size, corrected } => {
@@ -108,6 +114,17 @@ fn other_hold(other: &OtherHold) -> String {
         |stays| format!("leaves {:.0} % of the excess", 100.0 * stays),
     );
     format!("with {hold}, the model without causes {left}")
+}
+
+fn small_gain(gain: &SmallGain) -> String {
+    let SmallGain { horizon, before, after } = gain;
+    let per_cent = |error: f64| significant(100.0 * error, 3);
+    format!(
+        "{} s ahead, held-out data are predicted with an error of {} % instead of {} %",
+        significant(*horizon, 3),
+        per_cent(*after),
+        per_cent(*before)
+    )
 }
 
 fn mispredicted(run: &Mispredicted) -> String {
