@@ -1,6 +1,7 @@
 //! Eigenvalues and singular values, with a bound on the iterations: without one, those of nalgebra do not end on every matrix.
 
 use crate::singular_values::tall_svd;
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{DMatrix, Dyn, SVD, Schur, SymmetricEigen};
 
 /// Iterations of the QR algorithm for each row; it commonly takes two or three.
@@ -14,6 +15,11 @@ pub fn eigenvalues(a: &DMatrix<f64>) -> Option<Vec<(f64, f64)>> {
     if !is_finite(a) {
         return None;
     }
+    // A change of units, exact in floating point (Parlett and Reinsch 1969): rounding is relative to the norm, which large entries beside
+    // small ones would dominate.
+    let mut a = a.clone();
+    balance_parlett_reinsch(&mut a);
+    let a = &a;
     // The deflation of small subdiagonal entries compares with the neighboring diagonal, which may be zero:
     // a shift by the size of the matrix gives it a scale. It costs no accuracy beyond rounding.
     let schur = |m: &DMatrix<f64>| Schur::try_new(m.clone(), f64::EPSILON, ITERATIONS * m.nrows());

@@ -104,7 +104,10 @@ pub(crate) fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>, stopped: &dyn Fn() ->
             }
         }
     }
-    Some(polished(best, sigma, stopped))
+    let mut best = polished(best, sigma, stopped);
+    // What a singular value is found to.
+    best.upper = best.upper.max(f64::EPSILON * (a.norm_squared() + b.norm_squared()).sqrt());
+    Some(best)
 }
 
 /// The upper bound lowered by a descent from the best number so far.

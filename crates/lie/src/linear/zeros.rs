@@ -1,6 +1,7 @@
 //! Invariant zeros of x' = A x + B u, y = C x + D u, also with other numbers of inputs than of outputs.
 
 use nalgebra::DMatrix;
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
 
 use bracketry_numerics::eigen::{eigenvalues, svd};
 
@@ -73,6 +74,20 @@ impl Quadruple {
     /// The finite λ at which [A − λ, B; C, D] loses rank, by the reduction of Emami-Naeini and Van Dooren (Automatica 18,
     /// 1982), which orthogonal matrices alone make. `None` where a decomposition does not converge.
     pub(crate) fn zeros(self) -> Option<Vec<(f64, f64)>> {
+        self.balanced().zeros_as_scaled()
+    }
+
+    /// The same system with its states in units in which large entries of A do not stand beside small ones (Parlett and Reinsch 1969).
+    fn balanced(mut self) -> Self {
+        if !self.a.is_empty() && self.a.iter().all(|v| v.is_finite()) {
+            let units = balance_parlett_reinsch(&mut self.a);
+            self.b.row_iter_mut().zip(units.iter()).for_each(|(mut row, unit)| row.unscale_mut(*unit));
+            self.c.column_iter_mut().zip(units.iter()).for_each(|(mut column, unit)| column.scale_mut(*unit));
+        }
+        self
+    }
+
+    fn zeros_as_scaled(self) -> Option<Vec<(f64, f64)>> {
         let size = [&self.a, &self.b, &self.c, &self.d].iter().map(|m| m.norm_squared()).sum::<f64>().sqrt();
         let tolerance = 10.0 * f64::EPSILON * size * (self.a.nrows() + self.b.ncols() + self.c.nrows()) as f64;
         let reduced = self.with_full_row_rank(tolerance)?.dual().with_full_row_rank(tolerance)?;

@@ -108,3 +108,32 @@ fn matrices_of_ones_are_decomposed() {
     assert_decomposed(&DMatrix::zeros(4, 3));
     assert!(svd(&DMatrix::zeros(0, 3)).is_none());
 }
+
+proptest! {
+    /// Units of the states do not change the eigenvalues: those of a triangular matrix stay its diagonal in units that differ by many orders
+    /// of magnitude.
+    #[test]
+    fn eigenvalues_do_not_depend_on_units(
+        (diagonal, above, powers) in (2usize..7).prop_flat_map(|n| (
+            prop::collection::vec(-20i32..20, n),
+            prop::collection::vec(-10i32..10, n * n),
+            prop::collection::vec(-8i32..9, n),
+        )),
+    ) {
+        let n = diagonal.len();
+        // Well separated, so that they are well conditioned.
+        let own = |i: usize| f64::from(diagonal[i]) + 50.0 * i as f64;
+        let unit = |i: usize| 10f64.powi(powers[i]);
+        let a = DMatrix::from_fn(n, n, |i, j| {
+            let entry = if i == j { own(i) } else if j > i { f64::from(above[i * n + j]) } else { 0.0 };
+            entry * unit(i) / unit(j)
+        });
+        let mut values = eigenvalues(&a).unwrap();
+        values.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let mut expected: Vec<f64> = (0..n).map(own).collect();
+        expected.sort_by(f64::total_cmp);
+        for (found, exact) in values.iter().zip(&expected) {
+            prop_assert!((found.0 - exact).abs() < 1e-8 && found.1.abs() < 1e-8, "{values:?} for {expected:?}");
+        }
+    }
+}
