@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use bracketry_symbolic::{Expr, Func, Func2, Node, Rational, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Func, Func2, Node, Rational, Symbol};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
@@ -253,8 +253,13 @@ impl System {
         }
     }
 
-    /// The expression for the sign of `surface`. A surface and its negative share one switch.
+    /// The expression for the sign of `surface`: a number for a constant. A surface and its negative share one switch.
     fn switch(&mut self, switches: &mut Vec<Switch>, surface: Expr, kind: SwitchKind) -> Expr {
+        if self.pool.symbols_of(&[surface]).is_empty()
+            && let Some(sign) = self.pool.constant_sign(surface, &Bindings::new())
+        {
+            return self.pool.int(sign as i64);
+        }
         let negative = self.pool.neg(surface);
         for s in switches.iter_mut() {
             if s.surface == surface || s.surface == negative {

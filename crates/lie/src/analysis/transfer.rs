@@ -8,6 +8,7 @@ use bracketry_system::{Affinization, AtPoint, InputRange, Method, NewInput, Rang
 use crate::analysis::report::Report;
 use crate::answer::Answer;
 use crate::controllability::input_values::{InputValues, Side};
+use crate::controllability::point::PointReport;
 use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::feedback::flatness_report::{FlatnessReport, FlatnessVerdict};
 use crate::feedback::ruled::{GeneralSystem, not_ruled};
@@ -141,14 +142,17 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
     if point.stlc.verdict == Verdict::Yes && !transfers {
         point.stlc = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
     }
+    let finite = |u: &Symbol| original.input_ranges.iter().any(|r| r.input == *u && r.min.is_some() && r.max.is_some());
+    let unbounded = !original.inputs.iter().all(finite);
+    if !unbounded {
+        // The values of new inputs may have no bounds, those of the model have.
+        point.stlc.bounded = None;
+    }
     let regular = affinization.regular_at_point == Some(true) || is_onto_nearby(affinization, original);
     if !affinization.input_change.is_empty() && !regular {
         // Values of the new inputs near those at the point may take old inputs far from theirs.
         let far = affinization.input_change.iter().any(|v| v.at_point == AtPoint::Interior)
             || point.stlc.reason.holds_elsewhere();
-        let finite =
-            |u: &Symbol| original.input_ranges.iter().any(|r| r.input == *u && r.min.is_some() && r.max.is_some());
-        let unbounded = !original.inputs.iter().all(finite);
         if point.stlc.verdict == Verdict::Yes && point.stlc.bounded.is_none() && far && unbounded {
             let reason = StlcReason::Withheld(why.clone());
             point.stlc.bounded = Some(BoundedStlc { verdict: Verdict::Inconclusive, reason });
@@ -157,22 +161,7 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
             *brockett = Answer::Unknown(why.clone());
         }
     }
-    let local = |why: &StabilizableReason| {
-        !matches!(
-            why,
-            StabilizableReason::Leaves { .. } | StabilizableReason::UnstableQuotient | StabilizableReason::Conserved(_)
-        )
-    };
-    // An integrator that the model does not have keeps an input near its value at the point, from which the model lets it jump.
-    if !affinization.integrators.is_empty()
-        && original.input_derivatives.is_empty()
-        && point.stabilizable == Some(Answer::Known(false))
-        && point.stabilizable_reason.as_ref().is_some_and(local)
-    {
-        let names: Vec<String> = affinization.integrators.keys().cloned().collect();
-        point.stabilizable = Some(Answer::Unknown(Reason::InputsMayJump { inputs: names }));
-        point.stabilizable_reason = None;
-    }
+    withhold_of_held_inputs(point, affinization, original);
     if let Some(smoothed) = point.smoothed_stlc.as_mut().filter(|s| s.verdict == Verdict::Yes && !transfer.in_ranges) {
         *smoothed = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
     }
@@ -193,6 +182,36 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
     }
     if let Some(brockett @ Answer::Known(true)) = &mut point.brockett_condition {
         *brockett = Answer::Unknown(why);
+    }
+}
+
+/// An integrator that the model does not have keeps an input near its value at the point, from which the model lets it jump: what is
+/// negative for all values of the inputs stays, unless the equations switch with an input and other values lead to another mode.
+fn withhold_of_held_inputs(point: &mut PointReport, affinization: &Affinization, original: &System) {
+    if affinization.integrators.is_empty() || !original.input_derivatives.is_empty() {
+        return;
+    }
+    let mut switching = original.clone();
+    let switches = switching.switched_form().switches;
+    let used = switching.pool.symbols_of(&switches.iter().map(|s| s.surface).collect::<Vec<_>>());
+    let one_mode = original.inputs.iter().any(|u| used.contains(u));
+    let holds = |why: &StabilizableReason| {
+        !one_mode
+            && matches!(
+                why,
+                StabilizableReason::Leaves { .. }
+                    | StabilizableReason::UnstableQuotient
+                    | StabilizableReason::Conserved(_)
+            )
+    };
+    let names: Vec<String> = affinization.integrators.keys().cloned().collect();
+    let may_jump = || Reason::InputsMayJump { inputs: names.clone() };
+    if point.stabilizable == Some(Answer::Known(false)) && !point.stabilizable_reason.as_ref().is_some_and(holds) {
+        point.stabilizable = Some(Answer::Unknown(may_jump()));
+        point.stabilizable_reason = None;
+    }
+    if one_mode && point.brockett_condition == Some(Answer::Known(false)) {
+        point.brockett_condition = Some(Answer::Unknown(may_jump()));
     }
 }
 
