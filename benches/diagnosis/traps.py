@@ -4,11 +4,13 @@
     cargo build --release
     python3 benches/diagnosis/traps.py [--draws 5] [--seed 1] [--only KIND[,KIND]] [--plant NAME] [--keep FOLDER] [--record]
 
+It needs NumPy.
+
 Every draw takes a plant, random parameters, a random input, and one fault. The plant is simulated here, in NumPy with small fixed steps,
 independently of the simulator of the command. The command sees the model without the fault and a CSV with noise. An answer is
 
 - right: the name of the fault, or one that stands under `confusable_with`, or an abstention where the fault has no name in the library;
-- open: no name (`unexplained`, `unknown_term`, `no_gain`, `nothing_found`) although there is one;
+- open: no name (`unexplained`, `unknown_term`, `partly_explained`, `no_gain`, `nothing_found`) although the library has one;
 - wrong: another name.
 """
 
@@ -82,10 +84,11 @@ FAULTS: dict[str, set[str]] = {
     "unit_input": {"wrong_unit"},
     "swapped": {"swapped_columns"},
     "wrong_column": {"wrong_column"},
-    "viscous": {"viscous_friction", "leak"},
+    # Where the model has the same term, its parameter is wrong.
+    "viscous": {"viscous_friction", "leak", "parameter_error"},
     "coulomb": {"coulomb_friction"},
     "quadratic": {"quadratic_drag"},
-    "stiffness": {"linear_stiffness"},
+    "stiffness": {"linear_stiffness", "parameter_error"},
     "constant": {"tilt", "constant_bias", "gravity"},
     "sensor_offset": {"sensor_bias"},
     "delay": {"input_delay", "sensor_delay"},
@@ -205,9 +208,6 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
             level = dry[1]
             if fault == "jump" and k > jump_at and plant.friction:
                 level *= grow if which == "Fc" else 1 / grow
-            if fault == "hidden_mode":
-                hidden_force = -0.3 * gain / rms * 0 + 0
-                free[force] += hidden_force
             for s in plant.states:
                 z[s] += STEP * free[s] if s != dry[0] else 0.0
             v = z[dry[0]] + STEP * free[dry[0]]
@@ -218,11 +218,12 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
             b = rate(middle, u, k)
             z = {s: z[s] + STEP * b[s] for s in z}
         if fault == "hidden_mode":
-            # A second mass on a spring, driven by the velocity.
-            acceleration = -frequency**2 * hidden[0] - 0.1 * frequency * hidden[1] - 2.0 * z[speed]
-            hidden[1] += STEP * acceleration
+            # A part of the mass hangs on a spring with a damper.
+            gap, slip = hidden[0] - z[position], hidden[1] - z[speed]
+            pull = frequency**2 * gap + 0.1 * frequency * slip
+            hidden[1] -= STEP * pull
             hidden[0] += STEP * hidden[1]
-            z[force] += STEP * 0.5 * frequency**2 * hidden[0] * min(1.0, size / max(1e-9, abs(0.5 * frequency**2 * 0.05)))
+            z[force] += STEP * 0.3 * pull
         if not all(abs(value) < 1e6 for value in z.values()):
             return None
     columns = {s: out[:, i].copy() for i, s in enumerate(plant.states)}
@@ -283,7 +284,7 @@ def judge(fault: str, answer: dict) -> str:
     right = FAULTS[fault]
     verdict = answer["verdict"]
     named = [c for c in answer.get("causes", []) if c["name"] != "unknown_term"]
-    if verdict in right or (right == {"nothing_found"} and verdict in right):
+    if verdict in right or ("wrong_unit" in right and any(w in verdict for w in ("it is in", "its rate is in", "wrong_unit"))):
         return "right"
     if not named:
         has_name = right & NAMES
@@ -306,6 +307,7 @@ def main() -> None:
     parser.add_argument("--plant", default="")
     parser.add_argument("--keep", type=pathlib.Path)
     parser.add_argument("--command", default=str(COMMAND))
+    parser.add_argument("--record", action="store_true", help="write docs/records/diagnose_traps.md")
     given = parser.parse_args()
     causes = (ROOT / "crates/diagnose/src/effect.rs").read_text()
     body = causes[causes.index("pub enum Cause {") :]
@@ -331,7 +333,7 @@ def main() -> None:
                                          capture_output=True, text=True, timeout=300)
                     answer = json.loads(run.stdout)
                 except (subprocess.TimeoutExpired, json.JSONDecodeError) as error:
-                    answer = {"verdict": f"none: {str(error)[:60]} {run.stderr[:200] if 'run' in dir() else ''}", "causes": []}
+                    answer = {"verdict": f"none: {str(error)[:60]} {run.stderr[:300] if 'run' in dir() else ''}", "causes": []}
                 how = judge(fault, answer)
                 table[fault, how] += 1
                 names = [c["name"] + (":" + c.get("equation", "")) for c in answer.get("causes", [])]
@@ -340,12 +342,33 @@ def main() -> None:
                 print(f"{how:6} {stem:24} {answer['verdict']:16} {','.join(names)} gain {[round(g, 4) for g in gain.get('as_given', [])]} "
                       f"{[round(g, 4) for g in gain.get('before', [])]} {[round(g, 4) for g in gain.get('after', [])]} excess "
                       f"{excess.get('refitted', 0):.3g} {excess.get('extended') or 0:.3g} {time.time() - started:.1f} s", flush=True)
-    total = Counter(how for _, how in table.elements())
-    print(dict(total))
+    rows = results(table)
+    print("\n".join(rows))
+    if given.record:
+        write_record(rows, given)
+
+
+def results(table: Counter[tuple[str, str]]) -> list[str]:
+    kinds = ("right", "open", "wrong")
+    rows = ["| fault | draws | right | open | wrong |", "|---|---|---|---|---|"]
+    totals = Counter(how for _, how in table.elements())
     for fault in FAULTS:
-        row = {how: table[fault, how] for how in ("right", "open", "wrong") if table[fault, how]}
-        if row:
-            print(f"  {fault:16} {row}")
+        counts = [table[fault, how] for how in kinds]
+        if sum(counts):
+            rows.append(f"| {fault.replace('_', ' ')} | {sum(counts)} | " + " | ".join(map(str, counts)) + " |")
+    share = [f"{totals[how]} ({100 * totals[how] / max(1, totals.total()):.1f} %)" for how in kinds]
+    rows.append(f"| all | {totals.total()} | " + " | ".join(share) + " |")
+    return rows
+
+
+def write_record(rows: list[str], given: argparse.Namespace) -> None:
+    commit = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True)
+    begin, end = "<!-- measured: begin -->", "<!-- measured: end -->"
+    text = RECORD.read_text()
+    command = f"python3 benches/diagnosis/traps.py --draws {given.draws} --seed {given.seed} --record"
+    made = f"Made at commit {commit.stdout.strip()} by `{command}`."
+    before, after = text[: text.index(begin)], text[text.index(end) :]
+    RECORD.write_text(before + begin + "\n" + made + "\n\n" + "\n".join(rows) + "\n" + after)
 
 
 if __name__ == "__main__":
