@@ -177,8 +177,24 @@ impl Reader<'_> {
         self.derivative_over_time(v, key, time, 0)
     }
 
-    /// The derivative of such an expression with respect to the time, 0 for itself.
+    /// The derivative of such an expression with respect to the time, 0 for itself; finite at the start.
     pub(super) fn derivative_over_time(
+        &self,
+        v: Located<'_, '_>,
+        key: &str,
+        time: bool,
+        order: u32,
+    ) -> Parsed<impl Fn(f64) -> f64 + use<>> {
+        let value = self.derivative_of_time(v, key, time, order)?;
+        if value(0.0).is_finite() {
+            Ok(value)
+        } else {
+            Err(self.doc.error(v.span(), format!("`{key}` is not a finite number"), "write a finite number").into())
+        }
+    }
+
+    /// The same, where it exists.
+    pub(super) fn derivative_of_time(
         &self,
         v: Located<'_, '_>,
         key: &str,
@@ -198,16 +214,11 @@ impl Reader<'_> {
         }
         let tape = Tape::compile(&pool, &[t], &[e])
             .map_err(|e| self.doc.error(v.span(), e.to_string(), "use numbers and parameters"))?;
-        let value = move |t: f64| {
+        Ok(move |t: f64| {
             let mut out = [0.0];
             tape.eval(&[t], &mut Vec::new(), &mut out);
             out[0]
-        };
-        if value(0.0).is_finite() {
-            Ok(value)
-        } else {
-            Err(self.doc.error(v.span(), format!("`{key}` is not a finite number"), "write a finite number").into())
-        }
+        })
     }
 
     pub(super) fn variable(&self, name: &str, span: Range<usize>) -> Parsed<Variable> {
