@@ -26,7 +26,13 @@ impl Ocp {
         for (index, c) in self.path_constraints.iter().enumerate() {
             c.function.check("a path constraint's list of variables", states, inputs)?;
             check_length("a path constraint's function", c.function.outputs(), 1)?;
-            ordered("path constraint", index, c.bounds.min, c.bounds.max)?;
+            let named = |e| match e {
+                MpcError::EmptyBounds { what, index, min, max, .. } if !c.name.is_empty() => {
+                    MpcError::EmptyBounds { what, index, name: Some(c.name.clone()), min, max }
+                }
+                e => e,
+            };
+            ordered("path constraint", index, c.bounds.min, c.bounds.max).map_err(named)?;
             soft_weights("a path constraint", c.bounds.softness)?;
         }
         for c in &self.norm_constraints {

@@ -188,6 +188,7 @@ impl Reader<'_> {
         let (whole, beyond) = solved.map_err(|e| {
             let remedy =
                 "the model's [point] must be a steady state at which every undamped motion has a cost; otherwise, write a cost";
+            let e = e.with_names(&self.system.state_names(), &self.system.input_names());
             self.doc.error(v.span(), e.to_string(), remedy)
         })?;
         *ocp = whole;

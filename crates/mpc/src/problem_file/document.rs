@@ -161,6 +161,7 @@ impl Source {
             problem.set_estimation(e)?;
         }
         let checked = problem.ocp.check(problem.system.states.len(), problem.system.inputs.len());
+        let checked = checked.map_err(|e| e.with_names(&problem.system.state_names(), &problem.system.input_names()));
         checked.map_err(|e| doc.missing(e.to_string(), "change the value that it names"))?;
         Ok(problem)
     }

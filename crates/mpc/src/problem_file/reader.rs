@@ -206,6 +206,15 @@ impl Reader<'_> {
         {
             return Err(self.doc.error(v.span(), format!("`{key}` has a unit, `{text}`"), remedy).into());
         }
+        if let (Value::String(text), Some(free)) = (v.get_ref(), self.free)
+            && let Some(name) = free.names().into_iter().find(|name| identifiers(text).any(|word| word == name))
+        {
+            let message = format!("`{key}` depends on the free parameter `{name}`, which has no value before the plan");
+            let remedy = format!(
+                "write a number; what the plan is to reach or keep may depend on `{name}` in [cost] and in expressions of [constraints]"
+            );
+            return Err(self.doc.error(v.span(), message, remedy).into());
+        }
         let mut pool = Pool::new();
         let mut e = self.doc.expression(v, key, &mut pool, &mut Constants { system: self.system, time })?;
         let t = pool.symbol("t");
@@ -251,4 +260,9 @@ impl Reader<'_> {
         };
         self.doc.error(span, format!("`{name}` is not {article} {what} of the model"), remedy).into()
     }
+}
+
+/// The names in an expression.
+pub(super) fn identifiers(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
 }

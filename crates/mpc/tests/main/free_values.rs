@@ -339,6 +339,21 @@ fn end_times_beside_the_one_found_cost_more_with_curved_references() {
 }
 
 #[test]
+fn numbers_that_depend_on_what_is_free_are_refused_by_its_name() {
+    for (entry, line) in [("run = { x0 = { x = \"2*p\" } }", 5), ("target = { x = \"p\" }\nrun = {}", 5)] {
+        let text = format!(
+            "horizon = {{ steps = 5, dt = 0.1 }}\nparameters = {{ p = {{ free = true, guess = 1 }} }}\n\
+             cost = {{ stage = \"x^2\" }}\n{entry}"
+        );
+        let error = read(DRIFT, &text).err().unwrap().to_string();
+        assert!(
+            error.contains("the free parameter `p`") && error.contains(&format!("problem.toml:{line}:")),
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn a_table_that_jumps_is_refused_where_the_end_time_is_free() {
     let folder = folder_of_table("free_jumps", |t| t);
     let file = folder.join("problem.toml");
@@ -406,6 +421,11 @@ fn what_cannot_be_free_is_refused_at_its_place() {
                 "horizon = {{ steps = 5, end_time = {free} }}\ncost = {{ stage = \"x^2 + v^2 + u^2\", terminal = \"riccati\" }}\nrun = {{}}"
             ),
             "infinite horizon",
+            3,
+        ),
+        (
+            format!("horizon = {{ steps = 5, end_time = {free} }}\ntarget = {{ x = 1, v = \"w\" }}\n{rest}"),
+            "unknown name `w`",
             3,
         ),
         (
