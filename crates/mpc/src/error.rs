@@ -37,12 +37,14 @@ pub enum MpcError {
         reason: &'static str,
     },
     /// A lower bound lies above its upper bound.
-    #[error("the bounds of {what} {index} contradict each other: min {min} > max {max}")]
+    #[error("the bounds of {what} {} contradict each other: min {min} > max {max}", named(name.as_deref(), *index))]
     EmptyBounds {
-        /// `"state"` or `"input"`.
+        /// `"state"`, `"input"`, or `"path constraint"`.
         what: &'static str,
         /// Its index, from 0.
         index: usize,
+        /// Its name, where it is known.
+        name: Option<String>,
         /// Lower bound.
         min: f64,
         /// Upper bound.
@@ -86,11 +88,14 @@ pub enum MpcError {
     NotDetectable,
     /// A point is not at rest.
     #[error(
-        "the point is not a steady state: state {index} moves by {moved} over one interval; give a state and input at rest"
+        "the point is not a steady state: state {} moves by {moved} over one interval; give a state and input at rest",
+        named(name.as_deref(), *index)
     )]
     NotSteady {
         /// Index of the state, from 0.
         index: usize,
+        /// Its name, where it is known.
+        name: Option<String>,
         /// Its movement over one interval.
         moved: f64,
     },
@@ -143,6 +148,28 @@ pub enum MpcError {
     /// An expression uses a name that is neither a state, an input, the time nor a reference.
     #[error(transparent)]
     Compile(#[from] CompileError),
+}
+
+impl MpcError {
+    /// With the names of states and inputs of a model.
+    pub(crate) fn with_names(mut self, states: &[String], inputs: &[String]) -> Self {
+        let found = match &mut self {
+            Self::EmptyBounds { what: "state", index, name, .. } | Self::NotSteady { index, name, .. } => {
+                Some((name, states.get(*index)))
+            }
+            Self::EmptyBounds { what: "input", index, name, .. } => Some((name, inputs.get(*index))),
+            _ => None,
+        };
+        if let Some((name, Some(found))) = found {
+            *name = Some(found.clone());
+        }
+        self
+    }
+}
+
+/// A name in quotes, or the index.
+fn named(name: Option<&str>, index: usize) -> String {
+    name.map_or_else(|| index.to_string(), |name| format!("`{name}`"))
 }
 
 /// [`MpcError::Stopped`] once the flag is raised.

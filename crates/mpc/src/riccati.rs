@@ -206,7 +206,7 @@ impl Ocp {
         for (index, (e, x)) in end.iter().zip(state).enumerate() {
             let moved = (e - x).abs() / self.state_scale[index];
             if moved.is_nan() || moved > STEADY * (1.0 + x.abs()) {
-                return Err(MpcError::NotSteady { index, moved: e - x });
+                return Err(MpcError::NotSteady { index, name: None, moved: e - x });
             }
         }
         Ok(DMatrix::from_row_slice(n, n + m, &jacobian))

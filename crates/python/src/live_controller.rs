@@ -40,11 +40,11 @@ pub(crate) struct Step {
     /// Input to hold over the next period.
     u: Py<PyArray1<f64>>,
     /// Outcome of the sample.
-    status: &'static str,
+    status: String,
     /// Why the failure policy decided.
-    reason: Option<&'static str>,
+    reason: Option<String>,
     /// Where the input comes from.
-    source: &'static str,
+    source: String,
     /// Number of the sample.
     sample: usize,
     /// Samples before it without a measurement.
@@ -53,6 +53,8 @@ pub(crate) struct Step {
     estimate: Option<Py<PyArray1<f64>>>,
     /// The states less what the plan before predicted.
     innovation: Option<Py<PyArray1<f64>>>,
+    /// Residual of the conditions of optimality.
+    residual: Option<f64>,
     /// Programs that were solved, and iterations of interior-point methods.
     programs: usize,
     iterations: usize,
@@ -62,10 +64,47 @@ pub(crate) struct Step {
     prepare_seconds: f64,
 }
 
+/// What a step is made of, in the order of its attributes: up to the samples missed, then from the estimate on.
+type Outcome = (Py<PyArray1<f64>>, String, Option<String>, String, usize, usize);
+type Figures = (Option<Py<PyArray1<f64>>>, Option<Py<PyArray1<f64>>>, Option<f64>, usize, usize, f64, f64);
+
 #[pymethods]
 impl Step {
+    #[new]
+    fn new(outcome: Outcome, figures: Figures) -> Self {
+        let (u, status, reason, source, sample, missed) = outcome;
+        let (estimate, innovation, residual, programs, iterations, feedback_seconds, prepare_seconds) = figures;
+        Self {
+            u,
+            status,
+            reason,
+            source,
+            sample,
+            missed,
+            estimate,
+            innovation,
+            residual,
+            programs,
+            iterations,
+            feedback_seconds,
+            prepare_seconds,
+        }
+    }
+
+    /// For pickle and copy.
+    fn __getnewargs__(&self, py: Python<'_>) -> (Outcome, Figures) {
+        let array = |a: &Py<PyArray1<f64>>| a.clone_ref(py);
+        let (status, reason, source) = (self.status.clone(), self.reason.clone(), self.source.clone());
+        let (estimate, innovation) = (self.estimate.as_ref().map(array), self.innovation.as_ref().map(array));
+        let seconds = (self.feedback_seconds, self.prepare_seconds);
+        (
+            (array(&self.u), status, reason, source, self.sample, self.missed),
+            (estimate, innovation, self.residual, self.programs, self.iterations, seconds.0, seconds.1),
+        )
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let reason = self.reason.map_or_else(String::new, |r| format!(", reason={r:?}"));
+        let reason = self.reason.as_ref().map_or_else(String::new, |r| format!(", reason={r:?}"));
         Ok(format!(
             "Step(u={}, status={:?}{reason}, source={:?}, sample={})",
             self.u.bind(py).repr()?,
@@ -104,14 +143,15 @@ impl LiveController {
         let (step, sample, missed) = (answer.step, answer.sample, answer.missed);
         let innovation = (!answer.innovation.is_empty()).then_some(answer.innovation);
         Ok(Step {
-            status: step.status.name(),
-            reason: step.status.fallback_reason().map(FallbackReason::name),
-            source: step.source.name(),
+            status: step.status.name().to_owned(),
+            reason: step.status.fallback_reason().map(|reason| FallbackReason::name(reason).to_owned()),
+            source: step.source.name().to_owned(),
             sample,
             missed,
             feedback_seconds: step.timings.feedback(),
             prepare_seconds: step.timings.linearize,
             innovation: innovation.map(|x| x.into_pyarray(py).unbind()),
+            residual: step.residual,
             programs: step.effort.programs,
             iterations: step.effort.interior_point_steps,
             u: step.u.into_pyarray(py).unbind(),
@@ -222,6 +262,18 @@ impl LiveController {
     #[getter]
     fn predicted_cost(&self, py: Python<'_>) -> Result<f64, Failure> {
         self.free(py, |c| Ok(c.live.predicted_cost()))
+    }
+
+    /// Slacks of the soft bounds along the last plan.
+    fn slacks(&self, py: Python<'_>) -> Result<HashMap<String, f64>, Failure> {
+        self.free(py, |c| {
+            let mut largest = HashMap::new();
+            for (name, slack) in c.live.slacks() {
+                let entry: &mut f64 = largest.entry(name).or_insert(0.0);
+                *entry = entry.max(slack);
+            }
+            Ok(largest)
+        })
     }
 
     /// The kept samples: names of columns and a row per sample.

@@ -2,6 +2,7 @@
 
 import pickle
 import threading
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -239,6 +240,22 @@ def test_the_innovation_shows_a_plant_that_differs(cart) -> None:
 
     assert largest(1.0) < 1e-6
     assert largest(1.5) == pytest.approx(0.1 * (1 - 1 / 1.5), rel=0.01)
+
+
+def test_a_step_survives_pickling_and_carries_its_residual(cart) -> None:
+    soft = {"v": {"max": 0.1, "soft": [0.1, 0.1]}}
+    controller = Controller({"model": cart, **PROBLEM, "constraints": {**PROBLEM.get("constraints", {}), **soft}})
+    assert controller.step([float("nan"), 0.0]).residual is None
+    for y in ([0.5, 0.25], [0.4, 0.5]):
+        step = controller.step(y)
+        assert step.residual is not None and 0.0 <= step.residual < np.inf
+        assert set(controller.slacks()) == {"v"} and controller.slacks()["v"] >= 0.0
+        for same in (pickle.loads(pickle.dumps(step)), deepcopy(step)):
+            for name in ("u", "estimate", "innovation"):
+                assert np.array_equal(getattr(same, name), getattr(step, name)) or getattr(step, name) is None
+            for name in ("status", "reason", "source", "sample", "missed", "residual", "programs", "iterations"):
+                assert getattr(same, name) == getattr(step, name)
+            assert repr(same) == repr(step) and same.feedback_seconds == step.feedback_seconds
 
 
 def test_a_copy_of_a_controller_starts_anew(cart) -> None:

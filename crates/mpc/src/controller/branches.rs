@@ -68,7 +68,7 @@ impl Controller for Branches {
         let m = self.own.inputs();
         self.step.u.copy_from_slice(&step.u[self.shown * m..(self.shown + 1) * m]);
         (self.step.status, self.step.source) = (step.status, step.source);
-        (self.step.timings, self.step.effort) = (step.timings, step.effort);
+        (self.step.timings, self.step.effort, self.step.residual) = (step.timings, step.effort, step.residual);
         if !matches!(self.step.status, StepStatus::Fallback(_) | StepStatus::PlayedOut) {
             let violation = self.all.predicted_violation(self.k, self.controller.plan());
             let worst = self.violation.unwrap_or(0.0);

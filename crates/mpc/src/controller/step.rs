@@ -170,6 +170,12 @@ pub struct Step {
     pub timings: Timings,
     /// What was solved for it, preparation included.
     pub effort: SolverEffort,
+    /// Residual of the conditions of optimality (Karush, Kuhn, and Tucker), without units: the largest of the slope of the Lagrangian and the
+    /// defects of the dynamics, with the multipliers of the last program and before its step. With one program per sample, this is the
+    /// shifted plan at the measured state, so a plant that differs from the model shows. With converged solutions, the step is
+    /// negligible, and the residual is about the square root of the tolerance or less. None where nothing was solved, and with
+    /// exact friction.
+    pub residual: Option<f64>,
 }
 
 impl Step {
@@ -177,7 +183,7 @@ impl Step {
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.u.clone_from(&other.u);
         (self.status, self.source) = (other.status, other.source);
-        (self.timings, self.effort) = (other.timings, other.effort);
+        (self.timings, self.effort, self.residual) = (other.timings, other.effort, other.residual);
     }
 
     /// What stands before the first sample: nothing has been decided.
@@ -188,6 +194,7 @@ impl Step {
             source: InputSource::Rest,
             timings: Timings::default(),
             effort: SolverEffort::default(),
+            residual: None,
         }
     }
 }

@@ -175,7 +175,7 @@ impl EstimationProblem {
         }
         for (index, b) in self.all_bounds().into_iter().enumerate() {
             if b.0.is_nan() || b.1.is_nan() || b.0 > b.1 {
-                return Err(MpcError::EmptyBounds { what: "estimated state", index, min: b.0, max: b.1 });
+                return Err(MpcError::EmptyBounds { what: "estimated state", index, name: None, min: b.0, max: b.1 });
             }
         }
         if let Outliers::Huber(threshold) = self.outliers {

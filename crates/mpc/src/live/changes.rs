@@ -85,14 +85,15 @@ impl LiveController {
             }
         }
         let (first, points) = self.rows(&schedule);
-        self.controller.change(&mut |ocp| {
+        let changed = self.controller.change(&mut |ocp| {
             for limit in &limits {
                 limit.write(ocp);
             }
             if scheduled {
                 schedule.write(ocp, first, points);
             }
-        })?;
+        });
+        changed.map_err(|e| e.with_names(&self.states(), &self.inputs()))?;
         // A reset starts from these.
         for limit in &limits {
             limit.write(&mut self.problem.ocp);

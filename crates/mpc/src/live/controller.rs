@@ -4,6 +4,7 @@ use super::log::LoopLog;
 use crate::controller::{Controller, Step, StepLimits};
 use crate::error::{MpcError, check_length, check_value};
 use crate::estimation::Estimate;
+use crate::ocp::Bounded;
 use crate::problem::{ControlProblem, Method, MethodReason, Schedule, Scheduled};
 use crate::trajectory::PlannedTrajectory;
 
@@ -359,6 +360,22 @@ impl LiveController {
         let mut ocp = self.controller.ocp().clone();
         ocp.round_norms(0.0);
         ocp.cost(self.answer.sample + self.delay, self.prediction())
+    }
+
+    /// Slacks of the soft bounds and constraints along [`LiveController::prediction`]: the largest violation of each, by name. With
+    /// a scenario tree, a name may occur once per branch.
+    pub fn slacks(&self) -> Vec<(String, f64)> {
+        let mut ocp = self.controller.ocp().clone();
+        let found = ocp.soft_violations(self.answer.sample + self.delay, self.prediction());
+        let (states, path) = (self.states(), &ocp.path_constraints);
+        let name = |of: &Bounded| match *of {
+            Bounded::State(i) => states.get(i).cloned(),
+            Bounded::Constraint(c) => {
+                path.get(c).map(|c| &c.name).or_else(|| Some(&ocp.norm_constraints.get(c - path.len())?.name)).cloned()
+            }
+            Bounded::Input(_) => None,
+        };
+        found.iter().filter_map(|(of, largest)| Some((name(of)?, *largest))).collect()
     }
 
     /// Times of the states of [`LiveController::prediction`] since sample 0, s.

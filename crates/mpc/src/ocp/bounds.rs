@@ -89,5 +89,5 @@ pub(super) fn weight(what: impl Into<String>, value: f64) -> Result<(), MpcError
 }
 
 pub(super) fn ordered(what: &'static str, index: usize, min: f64, max: f64) -> Result<(), MpcError> {
-    if min <= max { Ok(()) } else { Err(MpcError::EmptyBounds { what, index, min, max }) }
+    if min <= max { Ok(()) } else { Err(MpcError::EmptyBounds { what, index, name: None, min, max }) }
 }

@@ -1,5 +1,6 @@
 //! What a cost or constraint may name, and its arguments.
 
+use super::scaled_rows::{coefficient_name, over_scaled_time};
 use bracketry_symbolic::{Expr, Names, Pool, Rational, Symbol};
 use bracketry_system::System;
 
@@ -130,14 +131,31 @@ impl<'a> CostNames<'a> {
 }
 
 impl CostNames<'_> {
+    /// A reference, over scaled time where it has coefficients.
+    fn reference(&self, pool: &mut Pool, name: &str) -> Option<Expr> {
+        let is_one = |name: &str| self.references.iter().any(|r| r == name);
+        match self.remembered.time_scale.filter(|_| is_one(&coefficient_name(name, 1))) {
+            Some(j) => {
+                let scale = pool.sym(self.system.inputs[j]);
+                Some(over_scaled_time(pool, name, scale))
+            }
+            None => is_one(name).then(|| pool.var(name)),
+        }
+    }
+
+    /// An expression where there are inputs, or none: constants are the value before then.
+    fn at_kind(&self, pool: &mut Pool, e: Expr) -> Expr {
+        if self.kind == CostKind::Stage { e } else { self.remembered.without_inputs(self.system, pool, &[e])[0] }
+    }
+
     /// What a name stands for where there are inputs.
     fn meaning(&self, pool: &mut Pool, name: &str) -> Option<Expr> {
         let called = |s: &Symbol| self.system.symbol_name(*s) == name;
         if name == "t" {
             return Some(self.time(pool));
         }
-        if self.references.iter().any(|r| r == name) {
-            return Some(pool.var(name));
+        if let Some(reference) = self.reference(pool, name) {
+            return Some(reference);
         }
         if let Some(p) = self.system.parameters.iter().find(|p| called(&p.symbol)) {
             return Some(pool.rational(p.value.clone()));
@@ -155,14 +173,14 @@ impl Names for CostNames<'_> {
         if self.kind == CostKind::Stage {
             return Some(e);
         }
-        let e = self.remembered.without_inputs(self.system, pool, &[e])[0];
+        let e = self.at_kind(pool, e);
         let mut inputs = self.system.inputs.iter();
         inputs.all(|u| !pool.depends_on(e, *u)).then_some(e)
     }
     /// The derivative of a reference is a reference of its own.
     fn derivative(&mut self, pool: &mut Pool, name: &str, order: u32) -> Option<Expr> {
-        let name = derivative_name(name, order);
-        self.references.contains(&name).then(|| pool.var(&name))
+        let e = self.reference(pool, &derivative_name(name, order))?;
+        Some(self.at_kind(pool, e))
     }
     fn rate(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
         let j = self.system.input_index(name).filter(|j| self.remembered.inputs.contains(j))?;

@@ -8,6 +8,7 @@ use super::cost_names::CostPoint;
 use super::horizon_cost::HorizonCost;
 use super::margins::Margins;
 use super::previous_input::PreviousInput;
+use super::scaled_rows::ScaledRows;
 use super::vector_function::VectorFunction;
 use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
@@ -69,6 +70,8 @@ pub struct Ocp {
     pub parameters: Vec<Vec<f64>>,
     /// Grid point of the run to which the first rows of references and parameters belong; before it they hold too.
     pub first_row: usize,
+    /// What references and parameters are in a time that is scaled by an input.
+    pub(crate) scaled_rows: Option<ScaledRows>,
     /// Bounds of every input, always hard.
     pub input_bounds: Vec<(f64, f64)>,
     /// Values that each input may take, in ascending order; none where it takes all between its bounds. Programs plan with all values
@@ -123,6 +126,7 @@ impl Ocp {
             references: Vec::new(),
             parameters: Vec::new(),
             first_row: 0,
+            scaled_rows: None,
             input_bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); inputs],
             input_values: Vec::new(),
             state_bounds: vec![Bounds::FREE; states],
@@ -281,6 +285,14 @@ impl Ocp {
         Ok(())
     }
 
+    /// Gives references and parameters the values that they have in the time of a trajectory.
+    pub(crate) fn follow_time(&mut self, trajectory: &PlannedTrajectory) {
+        let scaled = self.scaled_rows.as_mut().filter(|_| trajectory.steps() > 0);
+        if let Some(rows) = scaled.and_then(|scaled| scaled.along(trajectory)) {
+            (self.parameters, self.references) = (rows.parameters, rows.references);
+        }
+    }
+
     /// The references at grid point k.
     pub(crate) fn reference(&self, k: usize) -> &[f64] {
         row(&self.references, k.saturating_sub(self.first_row))
@@ -327,6 +339,7 @@ impl Ocp {
 
     /// The parts of [`Ocp::cost`].
     pub(crate) fn costs(&mut self, k0: usize, trajectory: &PlannedTrajectory) -> HorizonCost {
+        self.follow_time(trajectory);
         let steps = trajectory.steps();
         let mut stage = 0.0;
         for k in 0..steps {
@@ -348,6 +361,7 @@ impl Ocp {
     /// Cost of violated bounds and constraints (hard ones at `hard` per unit of scale) and missed targets of a trajectory that
     /// starts at grid point `k0` of the run.
     pub(crate) fn penalty(&mut self, k0: usize, trajectory: &PlannedTrajectory, hard: f64) -> f64 {
+        self.follow_time(trajectory);
         let mut sum = self.constraint_penalty(k0, trajectory, hard);
         for k in 1..=trajectory.steps() {
             for i in 0..self.state_bounds.len() {
@@ -374,6 +388,7 @@ impl Ocp {
 
     /// Largest violation of a hard bound or constraint, in units of its scale.
     pub(crate) fn hard_violation(&mut self, k0: usize, trajectory: &PlannedTrajectory) -> f64 {
+        self.follow_time(trajectory);
         let mut worst = self.hard_constraint_violation(k0, trajectory);
         for k in 1..=trajectory.steps() {
             for i in 0..self.state_bounds.len() {

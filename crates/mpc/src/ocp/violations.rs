@@ -1,7 +1,8 @@
 //! Violations of path constraints, norm constraints and the terminal set along a trajectory.
 
-use super::bounds::{Violation, ordered, positive, soft_weights};
+use super::bounds::{Softness, Violation, ordered, positive, soft_weights};
 use super::problem::Ocp;
+use super::trace::Bounded;
 use crate::error::{MpcError, check_length, check_value};
 use crate::trajectory::PlannedTrajectory;
 
@@ -26,7 +27,13 @@ impl Ocp {
         for (index, c) in self.path_constraints.iter().enumerate() {
             c.function.check("a path constraint's list of variables", states, inputs)?;
             check_length("a path constraint's function", c.function.outputs(), 1)?;
-            ordered("path constraint", index, c.bounds.min, c.bounds.max)?;
+            let named = |e| match e {
+                MpcError::EmptyBounds { what, index, min, max, .. } if !c.name.is_empty() => {
+                    MpcError::EmptyBounds { what, index, name: Some(c.name.clone()), min, max }
+                }
+                e => e,
+            };
+            ordered("path constraint", index, c.bounds.min, c.bounds.max).map_err(named)?;
             soft_weights("a path constraint", c.bounds.softness)?;
         }
         for c in &self.norm_constraints {
@@ -124,6 +131,33 @@ impl Ocp {
         if let Some(s) = &self.terminal_set {
             visit(s.softness.judge(s.violation(z.x(steps)), 1.0, hard, s.level.sqrt()));
         }
+    }
+
+    /// Largest violation of every soft bound and of every soft path and norm constraint along a predicted trajectory that starts at grid
+    /// point `k0` of the run.
+    pub(crate) fn soft_violations(&mut self, k0: usize, z: &PlannedTrajectory) -> Vec<(Bounded, f64)> {
+        let soft = |softness: Softness| softness != Softness::Hard;
+        let mut found = Vec::new();
+        for (i, b) in self.state_bounds.iter().enumerate().filter(|(_, b)| soft(b.softness)) {
+            let largest = (1..=z.steps()).map(|k| b.violation(z.x(k)[i])).fold(0.0, f64::max);
+            found.push((Bounded::State(i), largest));
+        }
+        let margins = std::mem::take(&mut self.margins);
+        let path = self.path_constraints.iter().map(|c| (c.bounds.softness, c.grid_points(z.steps()).count()));
+        let norm = self.norm_constraints.iter().map(|c| (c.softness, c.grid_points(z.steps()).count()));
+        let counts: Vec<_> = path.chain(norm).collect();
+        let mut values = Vec::new();
+        self.visit_constraints(k0, z, 0.0, |v| values.push(v.value));
+        self.margins = margins;
+        let mut rest = values.as_slice();
+        for (c, (softness, count)) in counts.into_iter().enumerate() {
+            let (own, after) = rest.split_at(count.min(rest.len()));
+            rest = after;
+            if soft(softness) {
+                found.push((Bounded::Constraint(c), own.iter().copied().fold(0.0, f64::max)));
+            }
+        }
+        found
     }
 
     /// Largest violation of a bound, path constraint, norm constraint, or the terminal set along a predicted trajectory that starts at

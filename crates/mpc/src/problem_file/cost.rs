@@ -36,14 +36,24 @@ const KEYS: [&str; 7] =
     ["stage", "residuals", "weights", "terminal", "terminal_residuals", "terminal_weights", "terminal_set"];
 
 impl Reader<'_> {
+    /// Names of the parameters that vary over time.
+    pub(super) fn varying_parameters(&self, table: &Table<'_>) -> Parsed<Vec<String>> {
+        Ok(self.parameters_over_time(table)?.into_iter().map(|(name, _)| name.to_owned()).collect())
+    }
+
+    /// The entries of `[parameters]` with an expression of time or a table.
+    fn parameters_over_time<'t, 'i>(&self, table: &'t Table<'i>) -> Parsed<Vec<(&'t str, Located<'t, 'i>)>> {
+        let entries = self.doc.sub_table(table, "parameters")?.into_iter().flatten();
+        let entries = entries.map(|(key, v)| (key.get_ref().as_ref(), v));
+        Ok(entries.filter(|(name, v)| !is_free(v) && self.constant(v, name).is_err()).collect())
+    }
+
     /// Parameters of the controller's model that change over the run: those with an expression of time, checked at the grid
     /// points 0 … `points`, and those that are to be changed from outside. The others have been set in the model before.
     pub(super) fn parameters(&self, table: &Table<'_>, points: usize, dt: f64) -> Parsed<Vec<Scheduled>> {
         let mut live = Vec::new();
-        for (key, v) in self.doc.sub_table(table, "parameters")?.into_iter().flatten() {
-            if !is_free(v) && self.constant(v, key.get_ref()).is_err() {
-                live.push(self.over_run(v, key.get_ref(), points, dt)?);
-            }
+        for (name, v) in self.parameters_over_time(table)? {
+            live.push(self.over_run(v, name, points, dt)?);
         }
         let Some(list) = table.get("live_parameters") else { return Ok(live) };
         let remedy = "write live_parameters = [\"m\"]: names of parameters of the model";
@@ -178,6 +188,7 @@ impl Reader<'_> {
         let (whole, beyond) = solved.map_err(|e| {
             let remedy =
                 "the model's [point] must be a steady state at which every undamped motion has a cost; otherwise, write a cost";
+            let e = e.with_names(&self.system.state_names(), &self.system.input_names());
             self.doc.error(v.span(), e.to_string(), remedy)
         })?;
         *ocp = whole;

@@ -138,7 +138,8 @@ impl Source {
         let end_time = free.end_time.as_ref().map(|r| found.and_then(|f| f.end_time).unwrap_or(r.guess));
         let mut problem = reader.problem(&table, plant.clone(), end_time, !free.is_empty())?;
         if !free.is_empty() && found.is_none() {
-            let system = free.system(&system);
+            let varying = reader.varying_parameters(&table)?;
+            let system = free.system(&system, &varying);
             let reader = Reader { system: &system, free: Some(&free), ..first };
             let extended = reader.problem(&table, plant, end_time, true)?;
             let source = Arc::clone(self);
@@ -160,6 +161,7 @@ impl Source {
             problem.set_estimation(e)?;
         }
         let checked = problem.ocp.check(problem.system.states.len(), problem.system.inputs.len());
+        let checked = checked.map_err(|e| e.with_names(&problem.system.state_names(), &problem.system.input_names()));
         checked.map_err(|e| doc.missing(e.to_string(), "change the value that it names"))?;
         Ok(problem)
     }
@@ -239,16 +241,18 @@ impl Reader<'_> {
             references: self.references(table, points, dt)?,
         };
         schedule.write(&mut ocp, 0, points);
-        let live: Vec<String> = schedule.parameters.iter().map(|s| s.name.clone()).collect();
+        let live = Schedule::names(&schedule.parameters);
         // Costs and constraints see the live parameters change.
-        let names: Vec<String> =
-            live.iter().cloned().chain(schedule.references.iter().map(|s| s.name.clone())).collect();
+        let names = [live.clone(), Schedule::names(&schedule.references)].concat();
         if let Some(free) = self.free {
             free.bound(&mut ocp);
         }
         let mut remembered = self.input_rates(table, dt)?;
         if let Some(free) = self.free {
             free.remember(&ocp, &mut remembered);
+        }
+        if let Some(input) = remembered.time_scale {
+            schedule.scale_time(&mut ocp, input, points);
         }
         self.same_lengths(horizon, &ocp, !remembered.inputs.is_empty(), "rates of inputs")?;
         let reader = Reader { remembered: &remembered, ..*self };
@@ -281,13 +285,6 @@ impl Reader<'_> {
         if planned && !start.given {
             let message = "[run] is missing: free values are found for an initial state";
             return Err(self.doc.missing(message, "add [run] with x0").into());
-        }
-        if planned && schedule.varies() {
-            let message = "the end time or a parameter is free, but references or parameters vary over time";
-            return Err(self
-                .doc
-                .missing(message, "make them constant, or expressions of `t` in the cost itself")
-                .into());
         }
         // The multiplier of a bound cannot well exceed what the whole horizon costs.
         let hard_weight = (10.0 * dt * level).max(QpSettings::default().hard_weight);

@@ -8,10 +8,10 @@
 //!
 //! on the grid of the guess. Their values are put into the file, which is read once more.
 
-use crate::ocp::{Ocp, Remembered};
+use crate::ocp::{Ocp, Remembered, coefficient_name, over_scaled_time};
 use crate::problem::FoundValues;
 use bracketry_symbolic::Rational;
-use bracketry_system::System;
+use bracketry_system::{Parameter, System};
 
 /// Name of σ.
 const TIME_SCALE: &str = "end_time#scale";
@@ -52,8 +52,9 @@ impl Free {
         self.parameters.iter().map(|(_, r)| r.clone()).chain(scale)
     }
 
-    /// The system in which they are inputs, the last ones.
-    pub(super) fn system(&self, system: &System) -> System {
+    /// The system in which they are inputs, the last ones. Parameters that vary over time are polynomials in σ, see
+    /// [`ScaledRows`](crate::ocp::ScaledRows).
+    pub(super) fn system(&self, system: &System, varying: &[String]) -> System {
         let mut system = system.clone();
         for (name, _) in &self.parameters {
             let pool = &system.pool;
@@ -67,8 +68,23 @@ impl Free {
             system.inputs.push(scale);
             let (scale, t) = (system.pool.sym(scale), system.pool.var("t"));
             let scaled = system.pool.mul(scale, t);
-            let fields = system.pool.substitute_all(&system.dynamics, &[(t, scaled)].into_iter().collect());
+            let mut over_time = vec![(t, scaled)];
+            for name in varying {
+                let polynomial = over_scaled_time(&mut system.pool, name, scale);
+                over_time.push((system.pool.var(name), polynomial));
+                for power in [1, 2] {
+                    let symbol = system.pool.symbol(&coefficient_name(name, power));
+                    let value = Rational::default();
+                    let coefficient = Parameter { symbol, value, min: None, max: None, unit: None, about: None };
+                    system.parameters.push(coefficient);
+                }
+            }
+            let over_time = over_time.into_iter().collect();
+            let fields = system.pool.substitute_all(&system.dynamics, &over_time);
             system.dynamics = fields.into_iter().map(|f| system.pool.mul(scale, f)).collect();
+            for (_, e) in system.definitions.iter_mut().chain(&mut system.outputs) {
+                *e = system.pool.substitute(*e, &over_time);
+            }
         }
         // A point of the model has no values for them.
         system.point = None;

@@ -177,8 +177,24 @@ impl Reader<'_> {
         self.derivative_over_time(v, key, time, 0)
     }
 
-    /// The derivative of such an expression with respect to the time, 0 for itself.
+    /// The derivative of such an expression with respect to the time, 0 for itself; finite at the start.
     pub(super) fn derivative_over_time(
+        &self,
+        v: Located<'_, '_>,
+        key: &str,
+        time: bool,
+        order: u32,
+    ) -> Parsed<impl Fn(f64) -> f64 + use<>> {
+        let value = self.derivative_of_time(v, key, time, order)?;
+        if value(0.0).is_finite() {
+            Ok(value)
+        } else {
+            Err(self.doc.error(v.span(), format!("`{key}` is not a finite number"), "write a finite number").into())
+        }
+    }
+
+    /// The same, where it exists.
+    pub(super) fn derivative_of_time(
         &self,
         v: Located<'_, '_>,
         key: &str,
@@ -190,6 +206,15 @@ impl Reader<'_> {
         {
             return Err(self.doc.error(v.span(), format!("`{key}` has a unit, `{text}`"), remedy).into());
         }
+        if let (Value::String(text), Some(free)) = (v.get_ref(), self.free)
+            && let Some(name) = free.names().into_iter().find(|name| identifiers(text).any(|word| word == name))
+        {
+            let message = format!("`{key}` depends on the free parameter `{name}`, which has no value before the plan");
+            let remedy = format!(
+                "write a number; what the plan is to reach or keep may depend on `{name}` in [cost] and in expressions of [constraints]"
+            );
+            return Err(self.doc.error(v.span(), message, remedy).into());
+        }
         let mut pool = Pool::new();
         let mut e = self.doc.expression(v, key, &mut pool, &mut Constants { system: self.system, time })?;
         let t = pool.symbol("t");
@@ -198,16 +223,11 @@ impl Reader<'_> {
         }
         let tape = Tape::compile(&pool, &[t], &[e])
             .map_err(|e| self.doc.error(v.span(), e.to_string(), "use numbers and parameters"))?;
-        let value = move |t: f64| {
+        Ok(move |t: f64| {
             let mut out = [0.0];
             tape.eval(&[t], &mut Vec::new(), &mut out);
             out[0]
-        };
-        if value(0.0).is_finite() {
-            Ok(value)
-        } else {
-            Err(self.doc.error(v.span(), format!("`{key}` is not a finite number"), "write a finite number").into())
-        }
+        })
     }
 
     pub(super) fn variable(&self, name: &str, span: Range<usize>) -> Parsed<Variable> {
@@ -240,4 +260,9 @@ impl Reader<'_> {
         };
         self.doc.error(span, format!("`{name}` is not {article} {what} of the model"), remedy).into()
     }
+}
+
+/// The names in an expression.
+pub(super) fn identifiers(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
 }

@@ -1,6 +1,6 @@
 //! What a problem file makes of its references: which are used, and what follows them.
 
-use super::reader::{Located, Parsed, Reader};
+use super::reader::{Located, Parsed, Reader, identifiers};
 use crate::ocp::{CostKind, CostNames};
 use crate::problem::{ReferenceUse, Scheduled};
 use bracketry_system::{Table, Value};
@@ -129,9 +129,4 @@ fn derivatives(text: &str) -> impl Iterator<Item = (&str, u32)> {
             Some((name, order)) => Some((name.trim(), order.trim().parse().ok()?)),
         }
     })
-}
-
-/// The names in an expression.
-fn identifiers(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
 }

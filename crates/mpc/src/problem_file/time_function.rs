@@ -13,6 +13,16 @@ enum Curve {
     Cubic(NaturalSpline),
 }
 
+/// The curve of a table.
+struct CurveOfTable {
+    curve: Curve,
+    /// Number of derivatives that it has between and at its rows.
+    smooth: u32,
+    /// Time of its last row, s, and number of rows.
+    last: Option<f64>,
+    rows: usize,
+}
+
 impl Curve {
     fn derivative(&self, t: f64, order: u32) -> f64 {
         match (self, order) {
@@ -30,7 +40,7 @@ impl Reader<'_> {
         self.derivative_over_run(v, name, 0, points, dt)
     }
 
-    /// The derivative of such a quantity, 0 for itself.
+    /// The derivative of such a quantity, 0 for itself; with its own derivatives where the scale of time is free.
     pub(super) fn derivative_over_run(
         &self,
         v: Located<'_, '_>,
@@ -39,6 +49,29 @@ impl Reader<'_> {
         points: usize,
         dt: f64,
     ) -> Parsed<Scheduled> {
+        let at = |order| self.one_over_run(v, name, order, points, dt);
+        if self.free.is_none_or(|free| free.end_time.is_none()) {
+            return at(order);
+        }
+        Ok(at(order)?.with_rates(self.rate(v, name, order + 1)?, self.rate(v, name, order + 2)?))
+    }
+
+    /// The derivative of a quantity wherever it exists; a table has none beyond those of the curve through its rows.
+    fn rate(&self, v: Located<'_, '_>, name: &str, order: u32) -> Parsed<Scheduled> {
+        if let Value::Table(t) = v.get_ref() {
+            let CurveOfTable { curve, smooth, .. } = self.curve(t, v, name)?;
+            if smooth == 0 {
+                // Between two jumps there is a minimum, and rarely the best one.
+                let message = format!("the table of `{name}` jumps at its rows, and the end time is free");
+                let remedy = "write hold = \"linear\" or, better, hold = \"cubic\"; or fix the end time";
+                return Err(self.doc.error(v.span(), message, remedy).into());
+            }
+            return Ok(Scheduled::new(name, move |t| curve.derivative(t, order)));
+        }
+        Ok(Scheduled::new(name, self.derivative_of_time(v, name, true, order)?))
+    }
+
+    fn one_over_run(&self, v: Located<'_, '_>, name: &str, order: u32, points: usize, dt: f64) -> Parsed<Scheduled> {
         if let Value::Table(t) = v.get_ref() {
             return self.column(t, v, name, order);
         }
@@ -63,6 +96,24 @@ impl Reader<'_> {
 
     /// A column of a CSV table, or its derivative. Before the first row and after the last one it keeps the value there.
     fn column(&self, t: &Table<'_>, v: Located<'_, '_>, name: &str, order: u32) -> Parsed<Scheduled> {
+        let CurveOfTable { curve, smooth, last, rows } = self.curve(t, v, name)?;
+        if order > smooth {
+            let of = derivative_name(name, order);
+            let message = format!("the table of `{name}`, as it is held between its rows, has no `{of}`");
+            let remedy = match order {
+                1 => "write hold = \"linear\", or hold = \"cubic\" for one without jumps",
+                2 => "write hold = \"cubic\"",
+                _ => "no table has more than two derivatives: write an expression of t",
+            };
+            return Err(self.doc.error(v.span(), message, remedy).into());
+        }
+        let scheduled = Scheduled::new(derivative_name(name, order), move |t| curve.derivative(t, order));
+        // What is to be said of the table is said of the quantity itself.
+        Ok(if order == 0 { scheduled.of_table(last, rows) } else { scheduled.derivative_of(name, order) })
+    }
+
+    /// The curve through a column of a CSV table.
+    fn curve(&self, t: &Table<'_>, v: Located<'_, '_>, name: &str) -> Parsed<CurveOfTable> {
         let remedy = format!("write {name} = {{ file = \"table.csv\", column = \"{name}\", hold = \"linear\" }}");
         self.doc.only_keys(t, &["file", "column", "hold"], &format!("`{name}`"))?;
         let Some(file) = self.doc.string(t, "file")? else {
@@ -76,16 +127,6 @@ impl Reader<'_> {
             Some(Hold::Linear) => 1,
             None => 2,
         };
-        if order > smooth {
-            let of = derivative_name(name, order);
-            let message = format!("the table of `{name}`, as it is held between its rows, has no `{of}`");
-            let remedy = match order {
-                1 => "write hold = \"linear\", or hold = \"cubic\" for one without jumps",
-                2 => "write hold = \"cubic\"",
-                _ => "no table has more than two derivatives: write an expression of t",
-            };
-            return Err(self.doc.error(v.span(), message, remedy).into());
-        }
         let doc = Columns::document(&self.folder.join(file), "name a CSV file: a table with a column t")?;
         let Columns { columns, header, lines } = Columns::parse(&doc, |_| Entries::Finite)?;
         let Some(times) = columns.get("t") else {
@@ -103,9 +144,7 @@ impl Reader<'_> {
             Some(_) => Curve::Sampled(samples),
             None => Curve::Cubic(NaturalSpline::new(times.clone(), values.clone())),
         };
-        let scheduled = Scheduled::new(derivative_name(name, order), move |t| curve.derivative(t, order));
-        // What is to be said of the table is said of the quantity itself.
-        Ok(if order == 0 { scheduled.of_table(last, rows) } else { scheduled.derivative_of(name, order) })
+        Ok(CurveOfTable { curve, smooth, last, rows })
     }
 }
 

@@ -60,6 +60,8 @@ pub(crate) struct Qp {
     proximal: f64,
     pub(crate) solution: QpSolution,
     effort: SolverEffort,
+    /// Memory of [`Qp::residual`].
+    slope: Vec<f64>,
 }
 
 impl Qp {
@@ -98,7 +100,8 @@ impl Qp {
             multipliers: vec![0.0; steps * n],
             iterations: 0,
         };
-        Self { settings, assembly, backend, stage, proximal: 0.0, solution, effort: SolverEffort::default() }
+        let slope = vec![0.0; stage.z.len()];
+        Self { settings, assembly, backend, stage, proximal: 0.0, solution, effort: SolverEffort::default(), slope }
     }
 
     /// What has been solved since the last call.
@@ -114,6 +117,24 @@ impl Qp {
     /// The program as it was last filled, and its last solution.
     pub(crate) fn stage_program(&self) -> (&StageProgram, &[f64]) {
         (&self.assembly.program, &self.stage.z)
+    }
+
+    /// Residual of the conditions of optimality where the program was linearized, with the multipliers of its solution z: the slope of the
+    /// Lagrangian there is −Hz, whose largest entry, in units of scales and objective, counts beside the largest defect.
+    pub(crate) fn residual(&mut self) -> f64 {
+        let (program, z, slope) = (&self.assembly.program, &self.stage.z, &mut self.slope);
+        slope.fill(0.0);
+        for ((i, j), h) in program.hessian() {
+            slope[i] += h * z[j];
+            if i != j {
+                slope[j] += h * z[i];
+            }
+        }
+        let slopes = slope.iter().zip(&program.scale).map(|(q, scale)| (q * scale).abs() / program.objective_scale);
+        let n = program.states;
+        let scale = |i: usize| program.scale[program.state(i / n + 1, i % n)];
+        let defects = program.defect.iter().enumerate().map(|(i, c)| c.abs() / scale(i));
+        slopes.chain(defects).fold(0.0, f64::max)
     }
 
     /// Sets the limits of the solutions that follow: interior-point iterations, and time in s.

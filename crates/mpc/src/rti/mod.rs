@@ -244,6 +244,7 @@ impl Rti {
             self.step.source =
                 self.failures.play_out(&self.trajectory, &self.problem.ocp.input_bounds, &mut self.step.u);
             self.step.status = StepStatus::PlayedOut;
+            self.step.residual = None;
             self.step.timings = Timings::default();
             self.step.effort = SolverEffort::default();
             return Ok(&self.step);
@@ -268,12 +269,14 @@ impl Rti {
                 self.step.status = status;
                 self.step.source = source;
                 self.step.u.copy_from_slice(self.trajectory.u(0));
+                self.step.residual = (source == InputSource::Program).then(|| self.qp.residual());
                 self.failures.solved(self.trajectory.steps());
                 self.lost = false;
             }
             Err(reason) => {
                 let bounds = &self.problem.ocp.input_bounds;
                 self.step.status = StepStatus::Fallback(reason);
+                self.step.residual = None;
                 self.step.source = self.failures.decide(&self.trajectory, bounds, &mut self.step.u);
                 self.lost = match reason {
                     FallbackReason::LostSample | FallbackReason::Measurement => false,

@@ -47,6 +47,7 @@ struct Attempt {
     exact: bool,
     /// Whether programs confirm it.
     confirmed: bool,
+    residual: f64,
 }
 
 impl Attempt {
@@ -116,6 +117,8 @@ impl Sqp {
                 if confirmed { self.filter_method(&mut end, 0.0, (widest, programs), log)? } else { Stop::Converged };
             // Programs that do not confirm it are less accurate than it is.
             self.interior_leads |= solution.is_some() && (leads || stop != Stop::Converged);
+            let error = solution.as_ref().map(|s| s.error).filter(|_| !confirmed || stop != Stop::Converged);
+            let residual = error.unwrap_or_else(|| self.qp.residual());
             if let Some(solution) = solution.filter(|_| stop != Stop::Converged) {
                 self.qp.set_multipliers(&solution.multipliers, &solution.row_multipliers);
                 (end, stop) = (solution.trajectory, Stop::Converged);
@@ -123,7 +126,8 @@ impl Sqp {
             led |= interior && stop == Stop::Converged;
             let merit = self.problem.merit(&end, self.settings.qp.hard_weight);
             let weight = 1e2 * merit.objective.abs().max(1.0);
-            let this = Attempt { number, end, stop, merit: merit.value(weight), exact: self.is_exact(), confirmed };
+            let this =
+                Attempt { number, end, stop, merit: merit.value(weight), exact: self.is_exact(), confirmed, residual };
             if best.as_ref().is_none_or(|best| this.is_better_than(best)) {
                 best = Some(this);
             } else {
@@ -143,6 +147,7 @@ impl Sqp {
             self.qp.forget_multipliers();
         }
         self.unconfirmed = !best.confirmed && !leads;
+        self.residual = best.residual;
         self.spare.replace(z, best.end);
         if best.exact != self.is_exact() {
             self.change_hessian()?;

@@ -53,6 +53,7 @@ impl Controller for SqpController {
         let limits = std::mem::take(&mut self.limits);
         let (mut seconds, mut effort) = (0.0, SolverEffort::default());
         let status = if let Some(reason) = FallbackReason::of_measurement(x) {
+            self.step.residual = None;
             StepStatus::Fallback(reason)
         } else {
             self.sqp.limit_programs(limits)?;
@@ -84,6 +85,7 @@ impl Controller for SqpController {
             effort = self.sqp.take_effort();
             effort.interior_point_steps += solution.interior_point_steps;
             self.sqp.recycle(solution);
+            self.step.residual = (!matches!(status, StepStatus::Fallback(_))).then(|| self.sqp.residual());
             status
         };
         self.step.status = status;

@@ -33,6 +33,8 @@ pub struct Sqp {
     pub(super) interior_point_steps: usize,
     /// Whether the last sample needed the interior-point method, and programs did not confirm it quickly.
     pub(super) interior_leads: bool,
+    /// Residual of the conditions of optimality of the last solution.
+    pub(super) residual: f64,
     /// Whether programs confirm what the interior-point method finds.
     pub(super) confirming: bool,
     /// Whether the last solution is one of the interior-point method that no program has confirmed.
@@ -95,6 +97,7 @@ impl Sqp {
             interior: None,
             interior_point_steps: 0,
             interior_leads: false,
+            residual: 0.0,
             confirming: true,
             unconfirmed: false,
             spare: TrajectoryPool::default(),
@@ -148,6 +151,11 @@ impl Sqp {
             effort += qp.take_effort();
         }
         effort
+    }
+
+    /// Residual of the conditions of optimality of the last solution, as [`Step::residual`](crate::controller::Step) has it.
+    pub(crate) fn residual(&self) -> f64 {
+        self.residual
     }
 
     /// Gives the live parameters of the dynamics these values at every grid point, for instance those of an estimator.
@@ -249,6 +257,7 @@ impl Sqp {
                     lambda = lambda.max(1e-2 * self.settings.proximal);
                 }
                 let stop = self.iterate(&mut z, width, i == last, &mut lambda, &mut log)?;
+                self.residual = self.qp.residual();
                 status = self.status(stop);
                 if matches!(status, SolveStatus::NotANumber | SolveStatus::IntegratorFailed) {
                     break;

@@ -69,6 +69,7 @@ impl Transcription {
 
     /// Chooses the number of integration steps for the current smoothing.
     pub(crate) fn choose_substeps(&mut self, trajectory: &PlannedTrajectory) {
+        self.ocp.follow_time(trajectory);
         self.substeps = match self.ocp.substeps {
             Substeps::Fixed(s) => s,
             // An implicit method is stable for any step.
@@ -93,6 +94,7 @@ impl Transcription {
         to: usize,
         lin: &mut ShootingLinearization,
     ) {
+        self.ocp.follow_time(trajectory);
         let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.linearize(self.dynamics.as_mut(), grid, trajectory, from..to, lin);
     }
@@ -105,6 +107,7 @@ impl Transcription {
         field: &[(usize, usize)],
         lin: &mut ShootingLinearization,
     ) {
+        self.ocp.follow_time(trajectory);
         let grid = grid(&self.ocp, self.k0, self.substeps);
         let dynamics = self.dynamics.as_mut();
         self.shooter.linearize_with_curvatures(dynamics, grid, trajectory, (multipliers, field), lin);
@@ -119,18 +122,21 @@ impl Transcription {
         field: &[(usize, usize)],
         lin: &mut ShootingLinearization,
     ) {
+        self.ocp.follow_time(trajectory);
         let grid = grid(&self.ocp, self.k0, self.substeps);
         let dynamics = self.dynamics.as_mut();
         self.shooter.curvatures(dynamics, grid, trajectory, multipliers, field, &mut lin.curvature);
     }
 
     pub(crate) fn roll_out(&mut self, trajectory: &mut PlannedTrajectory) {
+        self.ocp.follow_time(trajectory);
         let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.roll_out(self.dynamics.as_mut(), grid, trajectory);
     }
 
     /// Fills in the last state from the one before it, unless the dynamics fail there.
     pub(crate) fn extend_last(&mut self, trajectory: &mut PlannedTrajectory) {
+        self.ocp.follow_time(trajectory);
         let last = trajectory.steps() - 1;
         if self.advance(last, trajectory.x(last), trajectory.u(last)) {
             trajectory.x_mut(last + 1).copy_from_slice(&self.end);
@@ -170,6 +176,7 @@ impl Transcription {
 
     /// Ends of all intervals of a trajectory.
     pub(crate) fn end_states(&mut self, trajectory: &PlannedTrajectory, ends: &mut Vec<f64>) {
+        self.ocp.follow_time(trajectory);
         let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.end_states(self.dynamics.as_mut(), grid, trajectory, ends);
     }

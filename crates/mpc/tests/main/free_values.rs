@@ -1,8 +1,9 @@
 //! Free end times and free parameters: known optima, what the loop makes of them, and what is refused.
 
 use crate::common::reports::read_with_model as read;
-use bracketry_mpc::control;
 use bracketry_mpc::problem::{ControlRun, FoundValues};
+use bracketry_mpc::{ControlProblem, control};
+use bracketry_system::System;
 
 const MASS: &str = r#"
     states = ["x", "v"]
@@ -223,6 +224,176 @@ fn an_end_time_and_a_parameter_are_found_together() {
     close(found.end_time.unwrap(), 1.0 / p, 1e-4);
 }
 
+/// A folder with a table of a function over 0 … 6 s.
+fn folder_of_table(name: &str, f: impl Fn(f64) -> f64) -> std::path::PathBuf {
+    let folder = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    let row = |k: u32| format!("{},{}\n", f64::from(k) * 0.3, f(f64::from(k) * 0.3));
+    let rows: String = (0..=20).map(row).collect();
+    std::fs::write(folder.join("table.csv"), format!("t,value\n{rows}")).unwrap();
+    folder
+}
+
+fn problem_beside(folder: &std::path::Path, model: &str, text: &str) -> ControlProblem {
+    let file = folder.join("problem.toml");
+    let text = format!("model = \"model.toml\"\n{text}");
+    let problem = ControlProblem::parse(file.to_str().unwrap(), &text, |f| System::parse(f, model).map_err(Box::new));
+    problem.unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A reference, also one of a table, is known at the end time that the plan decides on: |x'| ≤ 1 meets a + b t at a/(1 − b).
+#[test]
+fn a_moving_goal_is_met_in_minimum_time() {
+    for (number, (a, b)) in [(1.0, 0.5), (2.0, -0.25), (0.6, 0.0)].into_iter().enumerate() {
+        let folder = folder_of_table(&format!("free_goal_{number}"), |t| a + b * t);
+        for goal in [
+            format!("\"{a} + {b}*t\""),
+            "{ file = \"table.csv\", column = \"value\", hold = \"linear\" }".to_owned(),
+            "{ file = \"table.csv\", column = \"value\", hold = \"cubic\" }".to_owned(),
+        ] {
+            let problem = problem_beside(
+                &folder,
+                "states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"u\" }",
+                &format!(
+                    r#"
+                    horizon = {{ steps = 10, end_time = {{ free = true, min = 0.1, max = 5, guess = 1 }} }}
+                    references = {{ goal = {goal} }}
+                    cost = {{ stage = "1" }}
+                    constraints = {{ u = {{ min = -1, max = 1 }}, met = {{ expression = "x - goal", at = "end", min = 0, max = 0, hard = true }} }}
+                    run = {{}}
+                    "#
+                ),
+            );
+            let report = control(&problem).unwrap().run.report;
+            let found = report.found.clone().unwrap();
+            assert!(found.status == "converged" && found.interior_point_steps > 0, "{goal}: {found:?}");
+            close(found.end_time.unwrap(), a / (1.0 - b), 1e-5);
+            assert!(report.succeeded, "{goal}: {:?}", report.notes);
+        }
+    }
+}
+
+/// A parameter that varies over time is held between the samples: x' = 1 − c t gives x(T) = T − c T²/2 (1 − 1/N).
+#[test]
+fn a_parameter_over_time_is_that_of_the_end_time_found() {
+    let (c, distance, steps) = (0.4, 0.8, 8);
+    let folder = folder_of_table("free_drift", |t| -c * t);
+    for drift in [format!("\"-{c}*t\""), "{ file = \"table.csv\", column = \"value\", hold = \"linear\" }".to_owned()] {
+        let problem = problem_beside(
+            &folder,
+            "states = [\"x\"]\ninputs = [\"u\"]\nparameters = { d = 0 }\ndynamics = { x = \"u + d\" }",
+            &format!(
+                r#"
+                horizon = {{ steps = {steps}, end_time = {{ free = true, min = 0.1, max = 2, guess = 0.5 }} }}
+                parameters = {{ d = {drift} }}
+                cost = {{ terminal = "t" }}
+                constraints = {{ u = {{ min = -1, max = 1 }} }}
+                target = {{ x = {{ value = {distance}, tolerance = 1e-4 }} }}
+                run = {{}}
+                "#
+            ),
+        );
+        let found = control(&problem).unwrap().run.report.found.unwrap();
+        assert!(found.status == "converged" && found.interior_point_steps > 0, "{drift}: {found:?}");
+        let half = c / 2.0 * (1.0 - 1.0 / f64::from(steps));
+        close(found.end_time.unwrap(), (1.0 - (1.0 - 4.0 * half * distance).sqrt()) / (2.0 * half), 1e-5);
+    }
+}
+
+/// The plan with the end time found costs less than those with end times beside it, as a parabola through three of them has it.
+#[test]
+fn end_times_beside_the_one_found_cost_more_with_curved_references() {
+    let folder = folder_of_table("free_curved", |t| (1.3 * t).sin());
+    let table = |hold: &str| format!("{{ file = \"table.csv\", column = \"value\", hold = \"{hold}\" }}");
+    for (r, cost) in [
+        ("\"sin(1.3*t)\"".to_owned(), "(x - r)^2 + 0.1*u^2 + 0.3"),
+        ("\"sin(1.3*t)\"".to_owned(), "(u - der(r))^2 + (x - r)^2 + 0.1*u^2 + 0.3"),
+        (table("cubic"), "(x - r)^2 + 0.1*u^2 + 0.3"),
+        (table("cubic"), "(u - der(r))^2 + (x - r)^2 + 0.1*u^2 + 0.3"),
+    ] {
+        let plan = |end_time: &str| {
+            problem_beside(
+                &folder,
+                "states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"u\" }",
+                &format!(
+                    r#"
+                    horizon = {{ steps = 15, end_time = {end_time} }}
+                    references = {{ r = {r} }}
+                    cost = {{ stage = "{cost}", terminal = "2*(x - r)^2 + (t - 3)^2" }}
+                    solve = {{ method = "plan", margin = 0, tolerance = 1e-8 }}
+                    run = {{ x0 = {{ x = 0.4 }} }}
+                    "#
+                ),
+            )
+        };
+        let problem = plan("{ free = true, min = 1, max = 6, guess = 2 }");
+        let found = problem.with_free_values().unwrap().found.clone().unwrap();
+        assert!(found.status == "converged" && found.interior_point_steps > 0, "{r}: {found:?}");
+        let end = found.end_time.unwrap();
+        let step = 1e-3 * end;
+        let [before, at, after] = [-1.0, 0.0, 1.0].map(|k| plan(&format!("{}", end + k * step)).plan().unwrap().cost);
+        close(at, found.cost, 1e-7);
+        let vertex = 0.5 * (before - after) / (before - 2.0 * at + after);
+        assert!(before > at && after > at && vertex.abs() < 0.1, "{r} {cost}: {end} {before} {at} {after}");
+    }
+}
+
+#[test]
+fn numbers_that_depend_on_what_is_free_are_refused_by_its_name() {
+    for (entry, line) in [("run = { x0 = { x = \"2*p\" } }", 5), ("target = { x = \"p\" }\nrun = {}", 5)] {
+        let text = format!(
+            "horizon = {{ steps = 5, dt = 0.1 }}\nparameters = {{ p = {{ free = true, guess = 1 }} }}\n\
+             cost = {{ stage = \"x^2\" }}\n{entry}"
+        );
+        let error = read(DRIFT, &text).err().unwrap().to_string();
+        assert!(
+            error.contains("the free parameter `p`") && error.contains(&format!("problem.toml:{line}:")),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_table_that_jumps_is_refused_where_the_end_time_is_free() {
+    let folder = folder_of_table("free_jumps", |t| t);
+    let file = folder.join("problem.toml");
+    for (hold, refused) in [("", true), (", hold = \"previous\"", true), (", hold = \"linear\"", false)] {
+        let text = format!(
+            "model = \"model.toml\"\nhorizon = {{ steps = 5, end_time = {{ free = true, guess = 2 }} }}\n\
+             references = {{ r = {{ file = \"table.csv\", column = \"value\"{hold} }} }}\n\
+             cost = {{ stage = \"(x - r)^2 + u^2\" }}\nrun = {{}}"
+        );
+        let read = ControlProblem::parse(file.to_str().unwrap(), &text, |f| System::parse(f, MASS).map_err(Box::new));
+        let error = read.err().map(|e| e.to_string()).unwrap_or_default();
+        assert_eq!(error.contains("problem.toml:3:") && error.contains("`r` jumps"), refused, "{hold}: {error}");
+    }
+}
+
+/// Where only parameters are free, references vary over the given time: p t is closest to r = c t for p = c.
+#[test]
+fn parameters_are_found_with_references_over_time() {
+    let folder = folder_of_table("free_fit", |t| 0.7 * t);
+    for r in ["\"0.7*t\"", "{ file = \"table.csv\", column = \"value\", hold = \"linear\" }"] {
+        let problem = problem_beside(
+            &folder,
+            DRIFT,
+            &format!(
+                r#"
+                horizon = {{ steps = 12, dt = 0.3 }}
+                parameters = {{ p = {{ free = true, min = -5, max = 5, guess = 3 }} }}
+                references = {{ r = {r} }}
+                cost = {{ stage = "(x - r)^2" }}
+                run = {{}}
+                "#
+            ),
+        );
+        let report = control(&problem).unwrap().run.report;
+        let found = report.found.unwrap();
+        assert!(found.converged && report.succeeded, "{r}: {found:?} {:?}", report.notes);
+        close(found.parameters.0[0].1, 0.7, 1e-6);
+    }
+}
+
 #[test]
 fn a_given_end_time_is_that_of_the_horizon() {
     let problem =
@@ -246,15 +417,15 @@ fn what_cannot_be_free_is_refused_at_its_place() {
             5,
         ),
         (
-            format!("horizon = {{ steps = 5, end_time = {free} }}\n{rest}\nreferences = {{ r = \"sin(t)\" }}"),
-            "vary over time",
-            0,
-        ),
-        (
             format!(
                 "horizon = {{ steps = 5, end_time = {free} }}\ncost = {{ stage = \"x^2 + v^2 + u^2\", terminal = \"riccati\" }}\nrun = {{}}"
             ),
             "infinite horizon",
+            3,
+        ),
+        (
+            format!("horizon = {{ steps = 5, end_time = {free} }}\ntarget = {{ x = 1, v = \"w\" }}\n{rest}"),
+            "unknown name `w`",
             3,
         ),
         (

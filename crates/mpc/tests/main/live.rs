@@ -258,6 +258,10 @@ fn references_parameters_bounds_and_targets_change_while_it_runs() {
     ] {
         assert!(error.is_err());
     }
+    for (name, what) in [("u", "input `u`"), ("w", "state `w`")] {
+        let error = controller.set_bounds(name, 1.0, -1.0).err().unwrap().to_string();
+        assert!(error.contains(what), "{error}");
+    }
     assert!(go(&mut controller, &heavier).0.abs() < 1e-3, "what was refused changed nothing");
 }
 

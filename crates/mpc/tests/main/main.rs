@@ -44,6 +44,7 @@ mod riccati;
 mod rounding;
 mod scenarios;
 mod starts;
+mod step_figures;
 mod stiff_plants;
 mod stop_flag;
 mod tables;

@@ -173,3 +173,12 @@ fn a_start_outside_a_hard_bound_is_told_by_its_name() {
     let within = run("constraints = { x = { max = 1.5, hard = true } }");
     assert!(within.succeeded && within.notes.is_empty(), "{:?}", within.notes);
 }
+
+#[test]
+fn a_point_that_is_not_steady_is_said_with_the_name_of_the_state_that_moves() {
+    let model = "states = [\"x\", \"tank\"]\ninputs = [\"u\"]\ndynamics = { x = \"u\", tank = \"1 - tank\" }";
+    let text = "horizon = { steps = 5, dt = 0.1 }\n\
+                cost = { stage = \"x^2 + u^2 + tank^2\", terminal = \"riccati\" }\nrun = {}";
+    let error = crate::common::reports::read_with_model(model, text).err().unwrap().to_string();
+    assert!(error.contains("problem.toml:3:") && error.contains("state `tank` moves by"), "{error}");
+}

@@ -136,8 +136,8 @@ class Controller:
             ``u``, the input to hold for a :attr:`period`, with ``status`` (solved, inaccurate, infeasible, played_out or fallback),
             ``reason`` of a fallback, ``source`` of the input (program, tangent, plan, brake or rest), ``sample``, ``missed``
             samples before it, ``estimate`` of the states, ``innovation``, by which the states differ from what the plan before predicted
-            (None for the first sample, after missed ones, and with a compensated delay),
-            ``programs`` solved and ``iterations`` in them, ``feedback_seconds`` and ``prepare_seconds``.
+            (None for the first sample, after missed ones, and with a compensated delay), ``residual`` of the conditions of optimality
+            (None where nothing was solved), ``programs`` solved and ``iterations`` in them, ``feedback_seconds`` and ``prepare_seconds``.
 
         Raises
         ------
@@ -213,6 +213,10 @@ class Controller:
     def predicted_cost(self) -> float:
         """Cost of the last plan over the horizon, without penalties."""
         return self._native.predicted_cost
+
+    def slacks(self) -> dict[str, float]:
+        """Slacks of the soft bounds along the last plan: the largest violation of each, by the name of the state or constraint."""
+        return self._native.slacks()
 
     @property
     def period(self) -> float:

@@ -65,6 +65,8 @@ pub(crate) struct InteriorSolution {
     pub(crate) row_multipliers: Vec<f64>,
     /// Number of steps.
     pub(crate) steps: usize,
+    /// How far it is from the conditions of optimality, without units.
+    pub(crate) error: f64,
 }
 
 /// The method at work.
@@ -137,7 +139,7 @@ impl<'a> InteriorPoint<'a> {
                 continue;
             }
             if error <= tolerance {
-                return Ok(Some(method.solution(steps)));
+                return Ok(Some(method.solution(steps, error)));
             }
             let change = (method.now.objective - objective).abs();
             objective = method.now.objective;
@@ -145,7 +147,7 @@ impl<'a> InteriorPoint<'a> {
             let near = error <= (ACCEPTABLE * tolerance).min(LARGEST_ACCEPTABLE);
             acceptable = if near && unchanged { acceptable + 1 } else { 0 };
             if acceptable == ACCEPTABLE_STEPS {
-                return Ok(Some(method.solution(steps)));
+                return Ok(Some(method.solution(steps, error)));
             }
             if !error.is_finite() {
                 return Ok(None);
@@ -378,7 +380,7 @@ impl<'a> InteriorPoint<'a> {
         (self.at, self.now) = (end, values);
     }
 
-    fn solution(self, steps: usize) -> InteriorSolution {
+    fn solution(self, steps: usize, error: f64) -> InteriorSolution {
         let factor = self.of.factor;
         let mut row_multipliers = vec![0.0; self.of.program.all_rows()];
         for (row, v) in self.of.program.rows.iter().zip(&self.at.v) {
@@ -387,6 +389,6 @@ impl<'a> InteriorPoint<'a> {
         let multipliers = self.at.y.iter().map(|y| y / factor).collect();
         let mut trajectory = self.at.z;
         trajectory.clamp_inputs(&self.of.problem.ocp.input_bounds);
-        InteriorSolution { trajectory, multipliers, row_multipliers, steps }
+        InteriorSolution { trajectory, multipliers, row_multipliers, steps, error }
     }
 }
