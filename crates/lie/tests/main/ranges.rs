@@ -192,3 +192,52 @@ fn values_of_new_inputs_may_be_far_away() {
         assert_eq!(p.brockett_condition.unwrap().known() == Some(&true), near, "{w}");
     }
 }
+
+/// What holds at the point of a model file in general inputs.
+fn of_model(text: &str) -> Option<bracketry_lie::controllability::PointReport> {
+    let analysis = analyze(&System::parse("model.toml", text).unwrap(), &AnalysisOptions::default()).unwrap();
+    analysis.report.at_point.unwrap().known().cloned()
+}
+
+/// The sign of a constant is a number, not a switch: terms with it cancel or stay, whatever the constant is.
+#[test]
+fn signs_of_constants_are_numbers() {
+    for constant in ["2", "sqrt(2)", "pi/2", "1 + sin(1)", "exp(1/3)"] {
+        for kink in ["abs(u - 1/3)", "-abs(u - 1/3)*(u - 1/3)"] {
+            for (switch, value) in [("sign(u - C)", "sign(1/3 - C)"), ("max(u, C)", "max(1/3, C)")] {
+                let rate = format!("{switch} - {value} + 2*(u - 1/3) + {kink}").replace('C', &format!("({constant})"));
+                let text = format!(
+                    "states = ['x']\ninputs = ['u']\ndynamics = {{ x = \"{rate}\" }}\nranges = {{ u = {{ min = -2, max = 3 }} }}\n\
+                     [point]\nu = '1/3'\n"
+                );
+                // x' takes both signs beside u = 1/3.
+                let verdict = of_model(&text).map(|r| r.stlc.verdict);
+                assert_ne!(verdict, Some(Verdict::No), "{rate}");
+            }
+        }
+    }
+}
+
+/// Inputs in switching functions jump to other modes: what one mode excludes, others may do.
+#[test]
+fn other_modes_of_the_inputs_are_not_excluded() {
+    for (states, ranges, dynamics, point) in [
+        // v = 1 holds the same state, and its linearization is controllable.
+        ("'y', 'z'", "v = { min = -2, max = 2 }", "y = 'max(v, 0)*(v - 1)', z = 'sin(y) + v^3 - v'", "v = -1"),
+        // 0 is inside the convex hull of the velocities.
+        ("'x', 'y'", "u = { min = -9, max = 9 }", "x = 'u + u^2', y = 'max(u - 1, 0) - max(-u - 1, 0)'", "u = 0"),
+        ("'x', 'y'", "u = { min = -9, max = 9 }", "x = 'u', y = 'sign(u - 1) + sign(u + 1)'", "u = 0"),
+        ("'x', 'y'", "u = { min = -2, max = 2 }", "x = '1/9 - min(u, u^2)', y = 'abs(u)*u - 1/9'", "u = '1/3'"),
+    ] {
+        let input = if dynamics.contains('v') { "v" } else { "u" };
+        let text = format!(
+            "states = [{states}]\ninputs = ['{input}']\ndynamics = {{ {dynamics} }}\nranges = {{ {ranges} }}\n[point]\n{point}\n"
+        );
+        let r = of_model(&text).unwrap();
+        let denied = |answer: &Option<bracketry_lie::Answer<bool>>| answer.as_ref().and_then(|a| a.known().copied());
+        assert_ne!(denied(&r.stabilizable), Some(false), "{dynamics}: {:?}", r.stabilizable_reason);
+        assert_ne!(denied(&r.brockett_condition), Some(false), "{dynamics}");
+        // The ranges are finite: there are no other bounds to speak of.
+        assert!(r.stlc.bounded.is_none() && r.stlc.verdict != Verdict::No, "{dynamics}: {:?}", r.stlc);
+    }
+}
