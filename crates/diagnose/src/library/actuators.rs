@@ -1,5 +1,7 @@
 //! Inputs that do not act as they are logged: gain, dead zone, saturation.
 
+use std::cmp::Ordering;
+
 use bracketry_numerics::statistics::extremes;
 use bracketry_symbolic::Symbol;
 
@@ -10,7 +12,7 @@ use crate::record::Record;
 
 /// Shares of the largest input at which a saturation is tried. What is cut off grows faster than the cut, so that a limit is found from its
 /// neighborhood alone.
-const LIMITS: [f64; 8] = [0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2];
+const LIMITS: [f64; 6] = [0.9, 0.75, 0.6, 0.45, 0.3, 0.2];
 
 impl Builder {
     /// Effects on the way from each input to the equations.
@@ -61,7 +63,7 @@ impl Builder {
         let name = self.input(index);
         let values = records.iter().filter_map(|r| r.inputs.get(index)).flat_map(|signal| &signal.values);
         let (low, high) = extremes(values.copied());
-        if !(low < high) {
+        if low.partial_cmp(&high) != Some(Ordering::Less) {
             return Ok(());
         }
         let both = low < 0.0 && high > 0.0;

@@ -59,7 +59,6 @@ fn family(cause: Cause) -> Family {
         Cause::LinearStiffness | Cause::CubicStiffness => Family::Position,
         Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay => Family::Timing,
         Cause::InputGain | Cause::ParameterError | Cause::SensorBias => Family::Scale,
-        Cause::DeadZone | Cause::Saturation | Cause::SensorDrift => Family::Other,
         Cause::InertialCoupling | Cause::JointCoupling => Family::Coupling,
         Cause::FrictionCoupling
         | Cause::AnisotropicFriction
@@ -69,6 +68,9 @@ fn family(cause: Cause) -> Family {
         Cause::PeriodicDisturbance
         | Cause::LiftOff
         | Cause::Backlash
+        | Cause::DeadZone
+        | Cause::Saturation
+        | Cause::SensorDrift
         | Cause::WrongSign
         | Cause::WrongUnit
         | Cause::SwappedColumns

@@ -53,9 +53,9 @@ pub(super) fn wrong_columns(
     let mut found: Vec<(Fit, Alarm, Reading)> = Vec::new();
     for (_, reading) in tried {
         let study = trial.study(&reading)?;
-        let Ok(fit) = study.fit(&[], &trial.windows(&study), None) else { continue };
-        let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len(), &settings.verdict.alarm);
-        if (alarm.p_value >= settings.significance || alarm.size <= limits.noise) && !is_far(&fit, limits.far) {
+        // Most that leave more than noise do so in a few windows.
+        let Some((few, _)) = trial.explains(&study, &some, None) else { continue };
+        if let Some((fit, alarm)) = trial.explains(&study, &trial.windows(&study), Some(&few)) {
             found.push((fit, alarm, reading));
         }
     }
@@ -123,7 +123,9 @@ impl Reading {
             match *self {
                 Self::Measured(c, by) => scale_measured(record, c, by.factor()),
                 Self::AllMeasured(by) => {
-                    (0..record.measured.len()).for_each(|c| scale_measured(record, c, by.factor()))
+                    for c in 0..record.measured.len() {
+                        scale_measured(record, c, by.factor());
+                    }
                 }
                 Self::Input(i, by) => {
                     let derivatives = system.input_derivatives.iter().zip(&mut record.input_derivatives);
@@ -213,6 +215,15 @@ impl Trial<'_> {
     fn study(&self, reading: &Reading) -> Result<Study, DiagnoseError> {
         let records = reading.of(self.system, self.records);
         Study::counted(self.system, &records, &self.settings.study, self.counter)
+    }
+
+    /// The fit to some windows, if it leaves noise with parameters near their values.
+    fn explains(&self, study: &Study, windows: &[usize], start: Option<&Fit>) -> Option<(Fit, Alarm)> {
+        let fit = study.fit(&[], windows, start).ok()?;
+        let (verdict, states) = (&self.settings.verdict, self.system.states.len());
+        let alarm = Alarm::of(&fit.windows, states, fit.values.len(), &verdict.alarm);
+        let noise = alarm.p_value >= self.settings.significance || alarm.size <= verdict.columns.noise;
+        (noise && !is_far(&fit, verdict.columns.far)).then_some((fit, alarm))
     }
 
     fn windows(&self, study: &Study) -> Vec<usize> {

@@ -25,8 +25,14 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
         | Cause::ComOffset => 0.5,
         Cause::ActuatorLag | Cause::AnisotropicFriction => 0.75,
         Cause::SensorDelay | Cause::CubicStiffness | Cause::SensorBias | Cause::DeadZone | Cause::Saturation => 1.0,
-        Cause::SensorDrift | Cause::PeriodicDisturbance | Cause::Backlash | Cause::LiftOff => 1.5,
-        Cause::WrongSign | Cause::WrongUnit | Cause::SwappedColumns | Cause::WrongColumn => 1.5,
+        Cause::SensorDrift
+        | Cause::PeriodicDisturbance
+        | Cause::Backlash
+        | Cause::LiftOff
+        | Cause::WrongSign
+        | Cause::WrongUnit
+        | Cause::SwappedColumns
+        | Cause::WrongColumn => 1.5,
         Cause::UnknownTerm => 8.0,
     };
     // All measured columns late by the same time is one chain of sensors, as a camera; several inputs is a coincidence.

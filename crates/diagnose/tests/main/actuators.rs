@@ -41,7 +41,9 @@ fn record(seed: u64, arriving: impl Fn(f64) -> f64, drift: f64) -> Record {
     for values in [&mut positions, &mut velocities] {
         let size = (values.iter().map(|v| v * v).sum::<f64>() / 1000.0).sqrt();
         let noise = Normal::new(0.0, 0.01 * size).unwrap();
-        values.iter_mut().for_each(|v| *v += noise.sample(&mut random));
+        for v in values.iter_mut() {
+            *v += noise.sample(&mut random);
+        }
     }
     let columns = BTreeMap::from([("F", forces), ("x", positions), ("v", velocities)].map(|(n, v)| (n.to_owned(), v)));
     let system = System::parse("spring.toml", SPRING).unwrap();

@@ -125,7 +125,11 @@ proptest! {
         let own = |i: usize| f64::from(diagonal[i]) + 50.0 * i as f64;
         let unit = |i: usize| 10f64.powi(powers[i]);
         let a = DMatrix::from_fn(n, n, |i, j| {
-            let entry = if i == j { own(i) } else if j > i { f64::from(above[i * n + j]) } else { 0.0 };
+            let entry = match i.cmp(&j) {
+                std::cmp::Ordering::Equal => own(i),
+                std::cmp::Ordering::Less => f64::from(above[i * n + j]),
+                std::cmp::Ordering::Greater => 0.0,
+            };
             entry * unit(i) / unit(j)
         });
         let mut values = eigenvalues(&a).unwrap();
