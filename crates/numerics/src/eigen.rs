@@ -2,10 +2,13 @@
 
 use crate::singular_values::tall_svd;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
-use nalgebra::{DMatrix, Dyn, SVD, Schur, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Dyn, SVD, Schur, SymmetricEigen};
 
 /// Iterations of the QR algorithm for each row; it commonly takes two or three.
 const ITERATIONS: usize = 100;
+
+/// Entries beyond it are not balanced: their squares, or sums of them, may overflow.
+const LARGEST_BALANCED: f64 = 1e150;
 
 /// The eigenvalues, real and imaginary parts; `None` where the QR algorithm does not converge, or an entry is not a finite number.
 pub fn eigenvalues(a: &DMatrix<f64>) -> Option<Vec<(f64, f64)>> {
@@ -15,10 +18,8 @@ pub fn eigenvalues(a: &DMatrix<f64>) -> Option<Vec<(f64, f64)>> {
     if !is_finite(a) {
         return None;
     }
-    // A change of units, exact in floating point (Parlett and Reinsch 1969): rounding is relative to the norm, which large entries beside
-    // small ones would dominate.
     let mut a = a.clone();
-    balance_parlett_reinsch(&mut a);
+    balance(&mut a);
     let a = &a;
     // The deflation of small subdiagonal entries compares with the neighboring diagonal, which may be zero:
     // a shift by the size of the matrix gives it a scale. It costs no accuracy beyond rounding.
@@ -31,6 +32,17 @@ pub fn eigenvalues(a: &DMatrix<f64>) -> Option<Vec<(f64, f64)>> {
     }
     let shift = a.norm();
     schur(&(a + DMatrix::identity(a.nrows(), a.nrows()) * shift)).map(|s| values(s, shift))
+}
+
+/// Divides row i by unit i and multiplies column i by it, with powers of 2 as units, until rows and columns are alike in size (Parlett and
+/// Reinsch 1969): rounding is relative to the norm, which large entries beside small ones would dominate. The eigenvalues stay. The units;
+/// all are 1 where the squares of entries would overflow.
+pub fn balance(a: &mut DMatrix<f64>) -> DVector<f64> {
+    // The iteration ends for finite squares only.
+    if a.is_empty() || !a.iter().all(|v| v.abs() < LARGEST_BALANCED) {
+        return DVector::from_element(a.nrows(), 1.0);
+    }
+    balance_parlett_reinsch(a)
 }
 
 /// Eigenvalues and orthonormal eigenvectors of a symmetric matrix; `None` where the iteration does not converge, or an

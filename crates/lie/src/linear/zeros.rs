@@ -1,9 +1,8 @@
 //! Invariant zeros of x' = A x + B u, y = C x + D u, also with other numbers of inputs than of outputs.
 
 use nalgebra::DMatrix;
-use nalgebra::linalg::balancing::balance_parlett_reinsch;
 
-use bracketry_numerics::eigen::{eigenvalues, svd};
+use bracketry_numerics::eigen::{balance, eigenvalues, svd};
 
 /// The matrices of a linear system.
 #[derive(Clone, Debug)]
@@ -79,11 +78,9 @@ impl Quadruple {
 
     /// The same system with its states in units in which large entries of A do not stand beside small ones (Parlett and Reinsch 1969).
     fn balanced(mut self) -> Self {
-        if !self.a.is_empty() && self.a.iter().all(|v| v.is_finite()) {
-            let units = balance_parlett_reinsch(&mut self.a);
-            self.b.row_iter_mut().zip(units.iter()).for_each(|(mut row, unit)| row.unscale_mut(*unit));
-            self.c.column_iter_mut().zip(units.iter()).for_each(|(mut column, unit)| column.scale_mut(*unit));
-        }
+        let units = balance(&mut self.a);
+        self.b.row_iter_mut().zip(units.iter()).for_each(|(mut row, unit)| row.unscale_mut(*unit));
+        self.c.column_iter_mut().zip(units.iter()).for_each(|(mut column, unit)| column.scale_mut(*unit));
         self
     }
 

@@ -1,6 +1,6 @@
 //! Eigenvalues of matrices on which iterations without a bound do not end.
 
-use bracketry_numerics::eigen::{eigenvalues, pseudo_inverse, svd, symmetric_eigen};
+use bracketry_numerics::eigen::{balance, eigenvalues, pseudo_inverse, svd, symmetric_eigen};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
@@ -107,6 +107,20 @@ fn matrices_of_ones_are_decomposed() {
     assert_decomposed(&DMatrix::from_row_slice(3, 3, &[1.0, 2.0, 2.0, 2.0, -1.0, -1.0, 2.0, 1.0, -1.0]));
     assert_decomposed(&DMatrix::zeros(4, 3));
     assert!(svd(&DMatrix::zeros(0, 3)).is_none());
+}
+
+/// Entries whose squares overflow, or vanish, end too.
+#[test]
+fn entries_of_any_size_end() {
+    for size in [1e-320, 1e-200, 1e149, 1e151, 1e200, 1e308] {
+        for other in [0.0, 1e-300, 1.0, 1e300] {
+            let a = DMatrix::from_row_slice(2, 2, &[1.0, size, other, -1.0]);
+            let units = balance(&mut a.clone());
+            assert!(units.iter().all(|u| *u > 0.0 && u.is_finite()), "{size} {other}: {units}");
+            // Found or not: it ends.
+            let _ = eigenvalues(&a);
+        }
+    }
 }
 
 proptest! {
