@@ -198,7 +198,8 @@ fn columns_that_are_read_wrongly_are_the_verdict() {
         let named = found == &fault || cause.rivals.iter().any(|r| fault.columns() == [r.equation.as_str()]);
         let alike = expected_factor.zip(factor(found)).is_some_and(|(a, b)| is_near(a, b) || is_near(a, 1.0 / b));
         assert!(named || alike, "{fault:?}: {report:?}");
-        assert!(report.effort.fits <= 7 && report.candidates.is_empty(), "{fault:?}: {:?}", report.effort);
+        // Six readings, each to a few windows and to all of them, and the columns as they are.
+        assert!(report.effort.fits <= 13 && report.candidates.is_empty(), "{fault:?}: {:?}", report.effort);
     }
     // Neither the right columns nor a term that the model lacks are taken for them.
     for run in [RUN, unseen, Run { mass: 1.3, ..RUN }, Run { drag: 0.5, ..RUN }, Run { drag: 0.5, ..unseen }] {
