@@ -116,12 +116,18 @@ impl Reading {
         }
     }
 
-    /// The records, read in this way.
+    /// The records, read in this way. Places of measured columns are those of the first record; others may have other columns.
     fn of(&self, system: &System, records: &[Record]) -> Vec<Record> {
-        let mut records = records.to_vec();
-        for record in &mut records {
+        let names: Vec<&str> = records[0].measured.iter().map(|m| m.name.as_str()).collect();
+        let place = |record: &Record, c: usize| record.measured.iter().position(|m| m.name == names[c]);
+        let mut read = records.to_vec();
+        for record in &mut read {
             match *self {
-                Self::Measured(c, by) => scale_measured(record, c, by.factor()),
+                Self::Measured(c, by) => {
+                    if let Some(c) = place(record, c) {
+                        scale_measured(record, c, by.factor());
+                    }
+                }
                 Self::AllMeasured(by) => {
                     for c in 0..record.measured.len() {
                         scale_measured(record, c, by.factor());
@@ -135,15 +141,22 @@ impl Reading {
                     }
                 }
                 Self::SwappedMeasured(a, b) => {
-                    let first = record.measured[a].quantity;
-                    record.measured[a].quantity = record.measured[b].quantity;
-                    record.measured[b].quantity = first;
+                    let quantities = [records[0].measured[b].quantity, records[0].measured[a].quantity];
+                    for (c, quantity) in [a, b].into_iter().zip(quantities) {
+                        if let Some(c) = place(record, c) {
+                            record.measured[c].quantity = quantity;
+                        }
+                    }
                 }
                 Self::SwappedInputs(a, b) => record.inputs.swap(a, b),
-                Self::As(c, quantity) => record.measured[c].quantity = quantity,
+                Self::As(c, quantity) => {
+                    if let Some(c) = place(record, c) {
+                        record.measured[c].quantity = quantity;
+                    }
+                }
             }
         }
-        records
+        read
     }
 }
 

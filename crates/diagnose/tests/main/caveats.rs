@@ -208,6 +208,24 @@ fn columns_that_are_read_wrongly_are_the_verdict() {
     }
 }
 
+/// Runs of which each has columns of its own are read in the same way, by the names of their columns.
+#[test]
+fn runs_may_have_other_columns() {
+    let mut first = RUN.columns();
+    first.get_mut("x").unwrap().iter_mut().for_each(|v| *v *= -1.0);
+    let mut second = Run { seed: 2, velocity: false, ..RUN }.columns();
+    second.get_mut("x").unwrap().iter_mut().for_each(|v| *v *= -1.0);
+    let mut third = Run { seed: 3, ..RUN }.columns();
+    third.remove("x");
+    for others in [vec![second.clone()], vec![third.clone()], vec![third, second]] {
+        let mut records = vec![read(first.clone(), None).unwrap()];
+        records.extend(others.into_iter().map(|columns| read(columns, None).unwrap()));
+        let report = diagnose(&spring(), &records, &[], &DiagnosisSettings::default(), &mut |_| {}).unwrap();
+        assert_eq!(report.verdict, Verdict::WrongSign, "{report:?}");
+        assert_eq!(report.causes[0].equation, "x", "{report:?}");
+    }
+}
+
 /// By what a column has to be multiplied.
 fn factor(fault: &ColumnFault) -> Option<f64> {
     match fault {
