@@ -73,7 +73,7 @@ pub(super) fn wrong_columns(
     }
     // The simplest first: signs, then what needs the least change of parameters.
     found.sort_by_key(|(_, _, reading)| reading.rank());
-    if found[0].2.rank() > 0 {
+    if found[0].2.rank() > 1 {
         found.sort_by(|a, b| moved(&a.0).total_cmp(&moved(&b.0)));
     }
     Ok(Some(report(system, &found, base.as_ref(), plain)))
@@ -91,13 +91,12 @@ enum Reading {
 }
 
 impl Reading {
-    /// Simple ones first.
+    /// Simple ones first: the sign of one column, that of all, then the rest.
     fn rank(&self) -> usize {
         match self {
-            Self::Measured(_, Rescaling::Sign)
-            | Self::AllMeasured(Rescaling::Sign)
-            | Self::Input(_, Rescaling::Sign) => 0,
-            _ => 1,
+            Self::Measured(_, Rescaling::Sign) | Self::Input(_, Rescaling::Sign) => 0,
+            Self::AllMeasured(Rescaling::Sign) => 1,
+            _ => 2,
         }
     }
 

@@ -215,7 +215,7 @@ fn rescaled(column: &ScaledColumn, by: Rescaling) -> String {
         ScaledColumn::AllMeasured => "all measured columns".to_owned(),
     };
     let meaning = match by {
-        Rescaling::Sign => "the other sign".to_owned(),
+        Rescaling::Sign => return format!("the other sign of {name}"),
         Rescaling::PowerOfTen(-3) => "thousandths, such as mm or mN".to_owned(),
         Rescaling::PowerOfTen(3) => "thousands, such as km or kN".to_owned(),
         Rescaling::PowerOfTen(n) => format!("10^{n} of the unit"),
