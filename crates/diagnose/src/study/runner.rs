@@ -55,6 +55,13 @@ struct ColumnPath {
     drift: f64,
 }
 
+impl ColumnPath {
+    /// What is added to the true value this long after the start of the record.
+    fn offset_after(&self, elapsed: f64) -> f64 {
+        self.offset + self.drift * elapsed
+    }
+}
+
 /// The paths of the signals, for some values of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
 struct SignalPaths {
@@ -268,7 +275,7 @@ impl<'a> Runner<'a> {
             }
             let value = self.shown(t, column, &mut outputs)?;
             let at = column * m + sample;
-            let offset = offsets[column].offset + offsets[column].drift * self.elapsed(sample);
+            let offset = offsets[column].offset_after(self.elapsed(sample));
             out[at] = if self.present[at] { (value + offset) * self.weights[column] } else { 0.0 };
         }
         Ok(())
@@ -298,7 +305,7 @@ impl<'a> Runner<'a> {
             self.reach(t)?;
             for (column, path) in offsets.iter().enumerate() {
                 let value = self.shown(t, column, &mut outputs)?;
-                let offset = path.offset + path.drift * self.elapsed(sample);
+                let offset = path.offset_after(self.elapsed(sample));
                 let at = column * m + sample;
                 if self.present[at] {
                     let out = if late { &mut both.late } else { &mut both.now };

@@ -6,12 +6,12 @@ use bracketry_system::System;
 use super::alarm::Alarm;
 use super::held_out::thinned;
 use super::motion::without_findings;
+use super::write::refitted;
 use crate::effort::Counter;
 use crate::library::OF_COLUMNS;
 use crate::numbers::significant;
 use crate::report::{
-    Closeness, ColumnFault, Excess, NamedCause, Outcome, RefittedParameter, Report, Rescaling, Rival, ScaledColumn,
-    Verdict, VerdictReason,
+    Closeness, ColumnFault, Excess, NamedCause, Outcome, Report, Rescaling, Rival, ScaledColumn, Verdict, VerdictReason,
 };
 use crate::settings::DiagnosisSettings;
 use crate::{DiagnoseError, Estimate, Fit, Formula, Quantity, Record, Study, WindowFit};
@@ -60,11 +60,11 @@ pub(super) fn wrong_columns(
         }
     }
     let Some(best) = found.iter().map(|f| moved(&f.0)).min_by(f64::total_cmp) else { return Ok(None) };
-    let refitted = plain.fit(&[], &trial.windows(plain), None).ok();
-    let base = refitted
+    let as_read = plain.fit(&[], &trial.windows(plain), None).ok();
+    let base = as_read
         .as_ref()
         .map(|fit| Alarm::of(&fit.windows, system.states.len(), fit.values.len(), &settings.verdict.alarm));
-    if let (Some(fit), Some(alarm)) = (&refitted, &base) {
+    if let (Some(fit), Some(alarm)) = (&as_read, &base) {
         // Refitted parameters explain the data of the columns as they are, without having moved as far as a unit.
         let explains = alarm.p_value >= settings.significance || alarm.size <= limits.noise;
         if explains && (!is_far(fit, limits.change) || best > limits.exact) {
@@ -289,12 +289,6 @@ fn term(fault: &ColumnFault) -> Formula {
     Formula::from(text.as_str())
 }
 
-fn shown(system: &System, e: &Estimate) -> RefittedParameter {
-    let unit = system.parameters.iter().find(|p| system.symbol_name(p.symbol) == e.name);
-    let unit = unit.and_then(|p| p.unit.clone()).filter(|unit| unit != "1").unwrap_or_default();
-    RefittedParameter { name: e.name.clone(), before: e.nominal, after: e.value, std: e.std, interval: None, unit }
-}
-
 fn report(system: &System, found: &[(Fit, Alarm, Reading)], base: Option<&Alarm>, plain: &Study) -> Report {
     let record = &plain.records()[0];
     let (fit, alarm, reading) = &found[0];
@@ -332,7 +326,7 @@ fn report(system: &System, found: &[(Fit, Alarm, Reading)], base: Option<&Alarm>
             caveats: Vec::new(),
         },
         causes: vec![cause],
-        parameters: fit.values.iter().map(|e| shown(system, e)).collect(),
+        parameters: refitted(system, &fit.values, 1.0),
         excess: base.map(|b| Excess { refitted: b.size, extended: Some(alarm.size), p_value: b.p_value }),
         ..without_findings(system)
     }

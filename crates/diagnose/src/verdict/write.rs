@@ -5,6 +5,7 @@ use bracketry_symbolic::{Named, Notation};
 use bracketry_system::System;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::explanation::Explanation;
 use super::findings::{Ending, Findings, Rivals};
 use super::proven::worth;
 use super::ranking::ranking;
@@ -22,7 +23,9 @@ pub(super) fn report(
     findings: &Findings,
     settings: &DiagnosisSettings,
 ) -> Report {
-    let parameters = refitted(system, findings);
+    let Explanation { fit, coefficients, .. } = &findings.chosen;
+    let own = &fit.values[..fit.values.len() - coefficients];
+    let parameters = refitted(system, own, findings.scatter.width());
     let mut causes = Vec::new();
     let named = !matches!(findings.ending, Ending::Unexplained(_) | Ending::Refuted(_));
     if named {
@@ -105,15 +108,14 @@ fn value(estimate: &Estimate, unit: &str, width: f64) -> Value {
     Value { value: estimate.value, std: estimate.widened(width), interval: None, unit: unit.to_owned() }
 }
 
-fn refitted(system: &System, findings: &Findings) -> Vec<RefittedParameter> {
-    let fit = &findings.chosen.fit;
-    let count = fit.values.len() - findings.chosen.coefficients;
-    fit.values[..count]
+/// Refitted parameters of the model, with the width that correlation within windows gives them.
+pub(super) fn refitted(system: &System, estimates: &[Estimate], width: f64) -> Vec<RefittedParameter> {
+    estimates
         .iter()
         .map(|e| {
             let unit = system.parameters.iter().find(|p| system.symbol_name(p.symbol) == e.name);
             let unit = unit.and_then(|p| p.unit.clone()).unwrap_or_default();
-            let v = value(e, &unit, findings.scatter.width());
+            let v = value(e, &unit, width);
             RefittedParameter {
                 name: e.name.clone(),
                 before: e.nominal,

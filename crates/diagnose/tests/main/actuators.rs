@@ -3,20 +3,11 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use crate::caveats::{STEP, spring};
 use bracketry_diagnose::{Cause, DiagnosisSettings, Record, RecordSettings, Report, Verdict, diagnose};
-use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
-
-const SPRING: &str = r#"
-    states = ["x", "v"]
-    inputs = ["F"]
-    parameters = { m = 1.0, k = 20.0, c = 0.5 }
-    dynamics = { x = "v", v = "(F - k*x - c*v)/m" }
-"#;
-/// Time between samples, s.
-const STEP: f64 = 0.01;
 
 /// Ten seconds of the spring under a force that is held between samples; `arriving` is what acts of it, and the position reads what it is
 /// plus `drift` times the time.
@@ -46,12 +37,12 @@ fn record(seed: u64, arriving: impl Fn(f64) -> f64, drift: f64) -> Record {
         }
     }
     let columns = BTreeMap::from([("F", forces), ("x", positions), ("v", velocities)].map(|(n, v)| (n.to_owned(), v)));
-    let system = System::parse("spring.toml", SPRING).unwrap();
+    let system = spring();
     Record::from_columns("run.csv", times, columns, &system, &RecordSettings::default()).unwrap()
 }
 
 fn verdict(record: Record) -> Report {
-    let system = System::parse("spring.toml", SPRING).unwrap();
+    let system = spring();
     diagnose(&system, &[record], &[], &DiagnosisSettings::default(), &mut |_| {}).unwrap()
 }
 

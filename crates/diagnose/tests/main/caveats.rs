@@ -22,11 +22,11 @@ const SPRING: &str = r#"
     dynamics = { x = "v", v = "(F - k*x - c*v)/m" }
 "#;
 /// Time between samples, s.
-const STEP: f64 = 0.01;
+pub(crate) const STEP: f64 = 0.01;
 /// Steps of the integration between samples.
 const SUB: usize = 20;
 
-fn spring() -> System {
+pub(crate) fn spring() -> System {
     System::parse("spring.toml", SPRING).unwrap()
 }
 

@@ -72,7 +72,7 @@ pub struct LinearModel {
     /// A, B, C, D where all entries are rational.
     #[serde(skip)]
     pub(crate) rational: Option<[RationalMatrix; 4]>,
-    /// A, B, C modulo the prime, in one frame, where all entries are constants that have values there.
+    /// A, B, C modulo the prime, in one frame, where all entries are constants that have values there and some are irrational.
     #[serde(skip)]
     pub(crate) residues: Option<[Vec<Vec<Fp>>; 3]>,
 }
@@ -168,8 +168,10 @@ impl LinearModel {
         let (c, d) = (make(&output_rows, &states, n)?, make(&output_rows, &inputs, n)?);
         let rest = frame.rest(&dynamics, &a.values);
         let rational = entries.iter().zip([n, m, n, m]).map(|(rows, columns)| frame.rational(rows, columns));
-        let rational = rational.collect::<Option<Vec<_>>>().and_then(|list| list.try_into().ok());
-        let residues = frame.residues(&entries[..3]).and_then(|list| list.try_into().ok());
+        let rational: Option<[RationalMatrix; 4]> =
+            rational.collect::<Option<Vec<_>>>().and_then(|list| list.try_into().ok());
+        let residues = if rational.is_some() { None } else { frame.residues(&entries[..3]) };
+        let residues = residues.and_then(|list| list.try_into().ok());
         let outputs = if states_are_outputs {
             original.state_names()
         } else {
