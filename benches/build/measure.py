@@ -32,13 +32,13 @@ edition = "2024"
 bracketry = { path = "%s", default-features = false }
 [workspace]
 """
-PROGRAM = """use bracketry::lie::{Options, analyze_affine};
+PROGRAM = """use bracketry::lie::{AnalysisOptions, analyze_affine};
 use bracketry::system::System;
 
 fn main() {
     let text = "states = ['x', 'y', 'a']\\ninputs = ['v', 'w']\\n[dynamics]\\nx = 'v*cos(a)'\\ny = 'v*sin(a)'\\na = 'w'";
     let system = System::parse("unicycle.toml", text).expect("a model");
-    println!("{:?}", analyze_affine(&system, &Options::default()).expect("an analysis").involutive);
+    println!("{:?}", analyze_affine(&system, &AnalysisOptions::default()).expect("an analysis").involutive);
 }
 """
 
