@@ -61,10 +61,10 @@ pub use report::{
     ResidualAcceleration, Rival, ScaledColumn, SmallGain, Value, Verdict, VerdictReason,
 };
 pub use settings::{
-    AlarmSettings, ColumnSettings, ConsistencySettings, DiagnosisSettings, EquationSettings, GainSettings,
-    LibrarySettings, NamingSettings, NoiseSettings, PeriodSettings, PlaceSettings, PredictionSettings, PriorSettings,
-    ReadSettings, RivalSettings, SearchSettings, SelectionSettings, SignalSettings, SolverSettings, StudySettings,
-    TimeScaleSettings, VerdictSettings, WindowSettings,
+    AlarmSettings, ColumnSettings, ConsistencySettings, DecimationSettings, DiagnosisSettings, EquationSettings,
+    GainSettings, LibrarySettings, NamingSettings, NoiseSettings, PeriodSettings, PlaceSettings, PredictionSettings,
+    PriorSettings, ReadSettings, RepairSettings, RivalSettings, SearchSettings, SelectionSettings, SignalSettings,
+    SolverSettings, StudySettings, TimeScaleSettings, VerdictSettings, WindowSettings,
 };
 pub use signal::{Measured, Quantity, Signal};
 pub use study::{

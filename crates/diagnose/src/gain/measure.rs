@@ -61,7 +61,7 @@ pub fn measure_gain(
             as_given: of_validation.nominal(),
             refitted: fitted.refitted.clone(),
             extended: fitted.extended.clone(),
-            held_out: joined(of_validation.windows()),
+            held_out: joined(&of_validation, of_validation.windows()),
         };
         (&of_validation, vec![trial])
     };
@@ -107,11 +107,17 @@ fn typical_window(study: &Study) -> f64 {
 }
 
 /// Windows that follow each other without a gap, as one.
-fn joined(windows: &[Window]) -> Vec<Window> {
+fn joined(study: &Study, windows: &[Window]) -> Vec<Window> {
     let mut out: Vec<Window> = Vec::new();
     for w in windows {
         match out.last_mut() {
-            Some(last) if last.record == w.record && last.to == w.from => last.to = w.to,
+            Some(last)
+                if last.record == w.record
+                    && last.to == w.from
+                    && !study.records()[w.record].gaps.contains(&w.from) =>
+            {
+                last.to = w.to;
+            }
             _ => out.push(*w),
         }
     }
@@ -146,7 +152,7 @@ fn folds(study: &Study, fitted: &Fitted<'_>, settings: &PredictionSettings) -> V
                 as_given: study.nominal(),
                 refitted: without(fitted.refitted, fitted.at_refitted)?,
                 extended: without(fitted.extended, fitted.at_extended)?,
-                held_out: joined(&windows[held_out.clone()]),
+                held_out: joined(study, &windows[held_out.clone()]),
             })
         })
         .collect()

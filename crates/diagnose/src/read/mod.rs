@@ -3,12 +3,14 @@
 mod audit;
 mod clock;
 mod consistency;
+mod decimate;
 mod driving;
 mod noise;
 mod npy;
 mod npz;
 mod origin;
 mod record;
+mod repair;
 mod roles;
 mod settings;
 mod warning;

@@ -8,12 +8,15 @@ use bracketry_system::{Columns, Entries, FileError, System};
 use super::audit::{Audit, ColumnAudit};
 use super::clock::Clock;
 use super::consistency::{check_angles, check_rates};
+use super::decimate::decimate;
 use super::driving::Driving;
 use super::noise::estimate_noise;
 use super::npz;
 use super::origin::Origin;
+use super::repair::repair;
 use super::roles::{Role, Roles, role};
 use super::settings::RecordSettings;
+use super::warning::Warning;
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::signal::Measured;
@@ -45,8 +48,8 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
     let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs, and what was measured")?;
     let entries = |name: &str| match role(settings.renamed(name), system) {
         None => Entries::Ignored,
-        Some(Role::Measured(_)) => Entries::MayBeLost,
-        Some(_) => Entries::Finite,
+        Some(Role::Time) => Entries::Finite,
+        Some(_) => Entries::MayBeLost,
     };
     let Columns { columns, header, lines } = Columns::parse(&doc, entries)?;
     let origin = Origin { name: doc.file(), table: Some((&doc, &header, &lines)) };
@@ -91,12 +94,12 @@ impl Record {
 const SIZES: std::ops::Range<f64> = 1e-100..1e100;
 
 /// Refuses a column that is too large or too small to be squared.
-fn check_size(origin: &Origin<'_>, column: &str, values: &[f64]) -> Result<(), FileError> {
+fn check_size(origin: &Origin<'_>, column: &str, values: &[f64], rows: &[usize]) -> Result<(), FileError> {
     let size = values.iter().map(|v| v.abs()).fold(0.0, f64::max);
     if size == 0.0 || SIZES.contains(&size) {
         return Ok(());
     }
-    let row = values.iter().position(|v| v.abs() == size).unwrap_or(0);
+    let row = values.iter().position(|v| v.abs() == size).map_or(0, |k| rows[k]);
     let problem = format!("the largest value of the column, {size:e}, is too large to compute with");
     Err(origin.at(
         row,
@@ -115,13 +118,21 @@ fn build(
     settings: &RecordSettings,
 ) -> Result<Record, DiagnoseError> {
     let mut roles = Roles::of(origin, columns, &ignored, system)?;
-    let clock = Clock::of(origin, &roles.times, settings.limits.gap)?;
+    Clock::check(origin, &roles.times)?;
     for (column, values) in roles.driving() {
-        if let Some(row) = values.iter().position(|v| !v.is_finite()) {
-            let remedy = "inputs must be given at all times: correct or remove the row";
-            return Err(origin.at(row, &column, "not a finite number", remedy).into());
+        if values.iter().all(|v| !v.is_finite()) {
+            let message = format!("column `{column}`: all values were lost");
+            return Err(origin.whole(message, "inputs must be given at all times").into());
         }
-        check_size(origin, &column, values)?;
+    }
+    let (repaired, cuts) = repair(&mut roles, &settings.limits.repair);
+    if roles.times.len() < 2 {
+        let message = "fewer than two rows have all inputs";
+        return Err(origin.whole(message, "record the inputs and the measurements in the same rows").into());
+    }
+    let clock = Clock::of(&roles.times, settings.limits.gap, &cuts);
+    for (column, values) in roles.driving() {
+        check_size(origin, &column, values, &roles.rows)?;
     }
     let mut measured = Vec::new();
     let mut audits = Vec::new();
@@ -132,11 +143,13 @@ fn build(
             }
         }
         let lost = values.iter().filter(|v| v.is_nan()).count();
-        if lost as f64 > settings.limits.most_lost * values.len() as f64 {
+        let known = values.len() - lost;
+        let few = 2 * lost > values.len() && known < settings.limits.fewest_known;
+        if few || lost as f64 > settings.limits.most_lost * values.len() as f64 {
             let message = format!("column `{name}`: {lost} of {} values were lost", values.len());
             return Err(origin.whole(message, "remove the column, or the part of the run where it is missing").into());
         }
-        check_size(origin, &name, &values)?;
+        check_size(origin, &name, &values, &roles.rows)?;
         let noise = estimate_noise(&roles.times, &values, &settings.limits.noise);
         audits.push(ColumnAudit::measured(&name, &values, noise, &settings.limits));
         measured.push(Measured { name, quantity, values, noise: noise.std });
@@ -153,9 +166,14 @@ fn build(
         measured,
         audit: None,
     };
+    // Entries of which a repair speaks are not lost once more.
+    let spoken_of = |name: &String| repaired.iter().any(|w| w.marks_as_lost(name));
+    audit.warnings.retain(|w| !matches!(w, Warning::Lost { name, .. } if spoken_of(name)));
+    audit.warnings.splice(0..0, repaired);
     let limits = &settings.limits.consistency;
     audit.warnings.extend(check_rates(origin, &record, system, limits)?);
     audit.warnings.extend(check_angles(&record, system, limits));
+    audit.warnings.extend(decimate(&mut record, &settings.limits.decimation));
     record.audit = Some(audit);
     Ok(record)
 }

@@ -48,6 +48,8 @@ pub(super) fn role(name: &str, system: &System) -> Option<Role> {
 /// The columns by what they mean.
 pub(super) struct Roles {
     pub(super) times: Vec<f64>,
+    /// The row of the table of each sample, or that before it where there is none.
+    pub(super) rows: Vec<usize>,
     pub(super) inputs: BTreeMap<usize, Vec<f64>>,
     pub(super) derivatives: BTreeMap<(usize, u32), Vec<f64>>,
     pub(super) measured: Vec<(String, Quantity, Vec<f64>)>,
@@ -72,6 +74,7 @@ impl Roles {
         let names = system.input_names();
         let mut roles = Self {
             times: Vec::new(),
+            rows: Vec::new(),
             inputs: BTreeMap::new(),
             derivatives: BTreeMap::new(),
             measured: Vec::new(),
@@ -115,6 +118,7 @@ impl Roles {
             let message = format!("no measurement: no column has the name of a state or an output; there are {found}");
             return Err(origin.whole(message, format!("name a column after one of {known}: --rename q=x")));
         }
+        roles.rows = (0..roles.times.len()).collect();
         let missing: Vec<String> = roles.missing(system);
         if !missing.is_empty() {
             let message =
@@ -148,6 +152,64 @@ impl Roles {
         let derivatives = self.derivatives.iter();
         inputs.chain(derivatives.map(|((input, order), v)| (format!("der({},{order})", self.names[*input]), v)))
     }
+
+    /// As [`Self::driving`], to be changed, without names.
+    pub(super) fn driving_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        self.inputs.values_mut().chain(self.derivatives.values_mut())
+    }
+
+    /// All columns but the time.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Vec<f64>> {
+        self.inputs.values().chain(self.derivatives.values()).chain(self.measured.iter().map(|m| &m.2))
+    }
+
+    /// All columns but the time, by name, to be changed.
+    pub(super) fn all_mut(&mut self) -> impl Iterator<Item = (String, &mut Vec<f64>)> {
+        let Self { inputs, derivatives, measured, names, .. } = self;
+        let names = &*names;
+        let inputs = inputs.iter_mut().map(|(input, values)| (names[*input].clone(), values));
+        let derivatives =
+            derivatives.iter_mut().map(|((input, order), v)| (format!("der({},{order})", names[*input]), v));
+        inputs.chain(derivatives).chain(measured.iter_mut().map(|(name, _, values)| (name.clone(), values)))
+    }
+
+    /// Leaves out rows.
+    pub(super) fn keep(&mut self, kept: &[bool]) {
+        if kept.iter().all(|k| *k) {
+            return;
+        }
+        retain(&mut self.times, kept);
+        retain(&mut self.rows, kept);
+        self.driving_mut().for_each(|values| retain(values, kept));
+        self.measured.iter_mut().for_each(|(_, _, values)| retain(values, kept));
+    }
+
+    /// Puts a row after each of some, in ascending order: times and inputs in the middle, and nothing measured.
+    pub(super) fn insert_after(&mut self, rows: &[usize]) {
+        let insert = |values: &mut Vec<f64>, between: fn(f64, f64) -> f64| {
+            let mut rows = rows.iter().peekable();
+            let mut out = Vec::with_capacity(values.len() + rows.len());
+            for (k, &value) in values.iter().enumerate() {
+                out.push(value);
+                if rows.next_if(|row| **row == k).is_some() {
+                    out.push(between(value, values[k + 1]));
+                }
+            }
+            *values = out;
+        };
+        let middle = |a: f64, b: f64| 0.5 * (a + b);
+        for row in rows.iter().rev() {
+            self.rows.insert(row + 1, self.rows[*row]);
+        }
+        insert(&mut self.times, middle);
+        self.driving_mut().for_each(|values| insert(values, middle));
+        self.measured.iter_mut().for_each(|(_, _, values)| insert(values, |_, _| f64::NAN));
+    }
+}
+
+fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    values.retain(|_| kept.next().is_none_or(|k| *k));
 }
 
 /// Names that a column may have: the time, inputs, their derivatives in use, states and outputs.

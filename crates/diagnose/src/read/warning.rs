@@ -25,6 +25,51 @@ pub enum Warning {
         /// Number of samples.
         samples: usize,
     },
+    /// A number stands for lost values.
+    Sentinel {
+        /// The column.
+        name: String,
+        /// The number.
+        value: f64,
+        /// How often.
+        count: usize,
+    },
+    /// A sensor shows a new value less often than there are rows.
+    HeldReadings {
+        /// The column.
+        name: String,
+        /// Rows from one reading to the next.
+        every: usize,
+    },
+    /// Entries of inputs were lost.
+    LostInputs {
+        /// Entries that are taken from their neighbors.
+        filled: usize,
+        /// Rows that are left out.
+        left_out: usize,
+    },
+    /// Rows are missing, one at a time.
+    MissingRows {
+        /// How many.
+        count: usize,
+    },
+    /// Rows are there twice.
+    Repeated {
+        /// How many.
+        count: usize,
+    },
+    /// Several rows have one time.
+    RoundedTimes {
+        /// How many have that of a row before.
+        count: usize,
+    },
+    /// Rows of a long run are left out.
+    Decimated {
+        /// Rows that there were.
+        rows: usize,
+        /// Rows from one that is kept to the next.
+        every: usize,
+    },
     /// A column stays at its smallest or largest value.
     Saturated {
         /// The column.
@@ -103,11 +148,42 @@ pub enum Warning {
 }
 
 impl Warning {
+    /// Whether it says of a column that entries are read as lost.
+    pub(super) fn marks_as_lost(&self, column: &str) -> bool {
+        match self {
+            Warning::Sentinel { name, .. } | Warning::HeldReadings { name, .. } => name == column,
+            _ => false,
+        }
+    }
+
     /// What was seen.
     pub fn message(&self) -> String {
         match self {
             Warning::Constant { name, value, .. } => format!("`{name}` is {} throughout", readable(*value)),
             Warning::Lost { name, count, samples } => format!("`{name}`: {count} of {samples} values were lost"),
+            Warning::Sentinel { name, value, count } => {
+                format!("`{name}` is {value} {}, far from all other values", times(*count))
+            }
+            Warning::HeldReadings { name, every } => format!("`{name}` shows a new value only every {every} rows"),
+            Warning::LostInputs { filled, left_out } => {
+                let parts = [
+                    (*filled > 0).then(|| {
+                        format!("{} of inputs taken from the neighbors", counted(*filled, "lost entry", "lost entries"))
+                    }),
+                    (*left_out > 0).then(|| format!("{} without an input left out", counted(*left_out, "row", "rows"))),
+                ];
+                parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+            }
+            Warning::MissingRows { count } => {
+                format!("{} missing from an even clock", counted(*count, "single row is", "single rows are"))
+            }
+            Warning::Repeated { count } => format!("{} left out", counted(*count, "repeated row", "repeated rows")),
+            Warning::RoundedTimes { count } => {
+                format!("{} the time of the row before", counted(*count, "row has", "rows have"))
+            }
+            Warning::Decimated { rows, every } => {
+                format!("one of every {every} rows is used, of {rows}, with the means of the inputs")
+            }
             Warning::Saturated { name, count } => {
                 format!("`{name}` stays at its smallest or largest value for {count} samples in runs")
             }
@@ -144,6 +220,23 @@ impl Warning {
             Warning::Constant { .. } => {
                 "it contains no information on the motion; if it should move, its sensor is dead: remove the column"
             }
+            Warning::Sentinel { .. } => "it is read as a lost value; leave such entries empty",
+            Warning::HeldReadings { .. } => {
+                "the rows between are read as lost values: each reading counts once, at the row where it appears"
+            }
+            Warning::LostInputs { .. } => {
+                "nothing is simulated across rows that are left out; record the inputs at all times"
+            }
+            Warning::MissingRows { .. } => {
+                "inputs there are taken halfway between their neighbors, and nothing counts as measured; check the logger"
+            }
+            Warning::Repeated { .. } => "check the logger",
+            Warning::RoundedTimes { .. } => {
+                "they are spread evenly until the next time; record the times with more digits"
+            }
+            Warning::Decimated { .. } => {
+                "the measurements between them are on straight lines within their noise; split the run to use all rows"
+            }
             Warning::Lost { .. } => "they are omitted; check the sensor if there are many",
             Warning::Saturated { .. } => "if the sensor saturates there, leave these entries empty",
             Warning::Coarse { .. } => "record it with more digits if available",
@@ -162,6 +255,11 @@ impl Warning {
             Warning::LargeAngle { .. } => "multiply it by pi/180 if it is in degrees",
         }
     }
+}
+
+/// `once`, `7 times`.
+fn times(count: usize) -> String {
+    if count == 1 { "once".to_owned() } else { format!("{count} times") }
 }
 
 impl Serialize for Warning {

@@ -7,8 +7,14 @@ settings! {
         noise: NoiseSettings = NoiseSettings::default(),
         /// Agreement of columns with each other.
         consistency: ConsistencySettings = ConsistencySettings::default(),
+        /// What is no sample.
+        repair: RepairSettings = RepairSettings::default(),
+        /// What is left out of long runs.
+        decimation: DecimationSettings = DecimationSettings::default(),
         /// Largest share of lost entries of a measured column.
-        most_lost: f64 = 0.5,
+        most_lost: f64 = 0.99,
+        /// Fewest entries of a measured column that were not lost.
+        fewest_known: usize = 20,
         /// A step in time longer than this many usual ones is a gap.
         gap: f64 = 2.5,
         /// Noise above this share of a column's range deserves a warning.
@@ -34,6 +40,32 @@ settings! {
         motion_growth: f64 = 1.7,
         /// Largest distance, in samples, at which correlated noise is followed.
         farthest_neighbor: usize = 32,
+    }
+
+    /// Which rows of long runs are left out.
+    DecimationSettings {
+        /// No fewer rows than this are left: the time of a diagnosis grows with them.
+        rows: usize = 20_000,
+        /// Measurements are on a straight line if they are off it by less than this many times the noise …
+        beyond_noise: f64 = 1.2,
+        /// … or less than this share of the column's standard deviation.
+        share_of_spread: f64 = 0.005,
+    }
+
+    /// What is left out of a table, and what is filled.
+    RepairSettings {
+        /// A number that stands for a lost value is farther from all others than this many times their range and their size.
+        sentinel_distance: f64 = 3.0,
+        /// Numbers beyond it stand for lost values whatever they are.
+        largest_value: f64 = 1e30,
+        /// Fewest changes of a column that show how often its sensor reads.
+        fewest_readings: usize = 20,
+        /// Share of the readings of a slower sensor that are one of its intervals apart: it may show the same value twice.
+        regular_readings: f64 = 0.9,
+        /// How far a step of a regular clock is from the usual one, over that.
+        regular_step: f64 = 0.1,
+        /// Share of such steps that makes a clock regular.
+        regular_clock: f64 = 0.8,
     }
 
     /// Agreement of a position with its velocity, and of angles with radians.

@@ -2,6 +2,8 @@
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use bracketry_numerics::statistics::median;
+
 use crate::WindowFit;
 use crate::settings::AlarmSettings;
 
@@ -104,11 +106,14 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    /// `None` if fewer than `fewest` samples are there to tell low from high.
+    /// `None` if fewer than `fewest` samples are there to tell low from high, or a fifth of them are lost. A sensor that is slower than the
+    /// record has its own samples.
     fn of(values: &[f64], fewest: usize) -> Option<Self> {
-        let samples: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+        let known: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_finite()).collect();
+        let samples: Vec<f64> = known.iter().map(|&k| values[k]).collect();
         let n = samples.len();
-        if n < fewest || 5 * n < 4 * values.len() {
+        let apart = median(known.windows(2).map(|w| (w[1] - w[0]) as f64).collect()).unwrap_or(1.0);
+        if n < fewest || 5.0 * n as f64 * apart < 4.0 * (values.len() as f64 - apart) {
             return None;
         }
         let total: f64 = samples.iter().map(|v| v * v).sum();

@@ -19,6 +19,7 @@ mod noise;
 mod places;
 mod records;
 mod refused;
+mod repairs;
 mod selection;
 mod spin_in_slip;
 mod stop_flag;

@@ -107,9 +107,15 @@ fn what_is_wrong_is_named_with_place_and_remedy() {
     refused("unmeasured.csv", "t,F,q\n0,1,2\n1,1,2\n", SLIDER, &plain, &measured);
     refused("no_input.csv", "t,x,u\n0,1,2\n1,1,2\n", SLIDER, &plain, &["uses F", "u", "--rename column=F"]);
     refused("no_der.csv", "t,x\n0,1\n1,1\n", CART, &plain, &["der(X,2)"]);
-    refused("order.csv", "t,F,x\n0,1,2\n1,1,2\n\n1,3,4\n", SLIDER, &plain, &["line 5", "column `t`", "sort"]);
+    refused("order.csv", "t,F,x\n0,1,2\n1,1,2\n\n0.5,3,4\n", SLIDER, &plain, &["line 5", "column `t`", "sort"]);
     refused("text.csv", "t,F,x\n0,1,2\n1,1,two\n", SLIDER, &plain, &["line 3", "column `x`", "two", "nan"]);
-    refused("lost_input.csv", "t,F,x\n0,1,2\n1,,2\n", SLIDER, &plain, &["line 3", "column `F`", "correct"]);
+    refused(
+        "lost_input.csv",
+        "t,F,x\n0,1,2\n1,,2\n",
+        SLIDER,
+        &plain,
+        &["fewer than two rows have all inputs", "same rows"],
+    );
     refused("lost_time.csv", "t,F,x\n0,1,2\nnan,1,2\n", SLIDER, &plain, &["line 3", "column `t`"]);
     refused("lost.csv", "t,F,x\n0,1,2\n1,1,\n2,1,\n", SLIDER, &plain, &["column `x`", "2 of 3", "remove"]);
     refused("one.csv", "t,F,x\n0,1,2\n", SLIDER, &plain, &["two rows"]);
