@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    DiagnosisSettings, Record, RecordSettings, StudySettings, diagnose as run, read_record, reference_candidates,
+    DiagnosisSettings, GainSettings, Record, RecordSettings, StudySettings, diagnose as run, read_record,
+    reference_candidates,
 };
 use bracketry::lie::analysis::RankChange;
 use bracketry::system::System;
@@ -60,7 +61,7 @@ fn read(sources: Vec<Source>, system: &System, settings: &RecordSettings) -> Res
 
 /// Diagnoses runs, and measures the gain on further ones.
 #[pyfunction]
-#[pyo3(signature = (model, data, validate, *, hold_inputs, rename, fix, reference, max_causes, seed, window, threads))]
+#[pyo3(signature = (model, data, validate, *, hold_inputs, rename, fix, reference, max_causes, seed, window, horizon, threads))]
 #[allow(clippy::too_many_arguments, reason = "keywords, all of them given by the Python function")]
 pub(crate) fn diagnose<'py>(
     py: Python<'py>,
@@ -74,6 +75,7 @@ pub(crate) fn diagnose<'py>(
     max_causes: Option<usize>,
     seed: Option<u64>,
     window: Option<f64>,
+    horizon: Vec<f64>,
     threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let reading = RecordSettings { hold: hold_inputs.map(hold).transpose()?, rename, ..Default::default() };
@@ -97,6 +99,7 @@ pub(crate) fn diagnose<'py>(
                 max_causes: max_causes.unwrap_or(defaults.max_causes),
                 seed: seed.unwrap_or(defaults.seed),
                 candidates,
+                gain: GainSettings::with_horizons(&horizon),
                 ..defaults
             };
             let report = run(&system, &records, &validate, &settings, &mut |_| {})?;

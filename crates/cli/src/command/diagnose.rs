@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    DiagnosisSettings, Record, RecordSettings, Report, StudySettings, diagnose, read_record, reference_candidates,
+    DiagnosisSettings, GainSettings, Record, RecordSettings, Report, StudySettings, diagnose, read_record,
+    reference_candidates,
 };
 use bracketry::lie::analysis::RankChange;
 use bracketry::sim::Hold;
@@ -57,6 +58,9 @@ pub(crate) struct DiagnoseArgs {
     /// Length of the windows in seconds; by default chosen from the data
     #[arg(long, allow_negative_numbers = true, value_name = "S")]
     window: Option<f64>,
+    /// Horizons in seconds at which predictions are compared; by default chosen from the data
+    #[arg(long, value_name = "S,…", value_delimiter = ',', allow_negative_numbers = true)]
+    horizon: Vec<f64>,
     /// Another model of the same system: terms of its equations that MODEL lacks become candidates
     #[arg(long, value_name = "MODEL2")]
     reference: Option<PathBuf>,
@@ -110,6 +114,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
                 .with_context(|| format!("--reference {}", path.display()))?,
             None => Vec::new(),
         },
+        gain: GainSettings::with_horizons(&args.horizon),
         ..DiagnosisSettings::default()
     };
     let report =

@@ -52,14 +52,28 @@ impl Ahead {
     }
 }
 
-/// The horizons that stretches of these lengths (seconds, after the part for the state) allow.
-fn horizons(longest: f64, settings: &PredictionSettings) -> Vec<f64> {
-    let standard: Vec<f64> = settings.horizons.iter().copied().filter(|h| *h < longest).collect();
+/// The horizons that stretches of these lengths allow: of the longest after the part for the state, s, windows, and samples.
+fn horizons(longest: f64, window: f64, step: f64, settings: &PredictionSettings) -> Vec<f64> {
+    if !settings.horizons.is_empty() {
+        return settings.horizons.iter().copied().filter(|h| *h < longest).collect();
+    }
+    let usual = &settings.usual_horizons;
+    let last = usual.iter().copied().fold(0.0, f64::max);
+    let unit = if window > settings.slow_window * last { two_digits(window) / last } else { 1.0 };
+    let fits = |h: &f64| *h < longest && *h >= settings.fewest_samples * step;
+    let standard: Vec<f64> = usual.iter().map(|h| h * unit).filter(fits).collect();
     if standard.len() >= 2 {
         return standard;
     }
-    let parts = settings.horizon_shares.iter().map(|s| (s * longest * 1e3).round() / 1e3);
+    let parts = settings.horizon_shares.iter().map(|s| two_digits(s * longest));
     parts.filter(|h| *h > 0.0).collect()
+}
+
+/// A positive number rounded down to two significant digits.
+fn two_digits(x: f64) -> f64 {
+    let unit = 10f64.powi(x.log10().floor() as i32 - 1);
+    // Quotients by whole numbers show no rounding where the unit is below one.
+    if unit < 1.0 { (x / unit).floor() / (1.0 / unit).round() } else { (x / unit).floor() * unit }
 }
 
 /// Sets of predictions over held-out stretches.
@@ -73,15 +87,18 @@ pub(super) fn predict(
     let seconds = |w: &Window| records[w.record].times[w.to - 1] - records[w.record].times[w.from];
     let stretches = || trials.iter().flat_map(|t| &t.held_out);
     let longest = stretches().map(seconds).fold(0.0, f64::max) - window;
+    let intervals: usize = stretches().map(|w| w.to - w.from - 1).sum();
+    let step = stretches().map(seconds).sum::<f64>() / intervals.max(1) as f64;
     if longest <= 0.0 {
         return Ok((Vec::new(), Vec::new()));
     }
-    let horizons = horizons(longest, settings);
+    let horizons = horizons(longest, window, step, settings);
+    let Some(&shortest) = horizons.first() else { return Ok((Vec::new(), Vec::new())) };
     let mut found: Vec<AtHorizon> =
         horizons.iter().map(|&seconds| AtHorizon { seconds, ..AtHorizon::default() }).collect();
     // Starts as densely as the number of predictions allows, at least a tenth of the shortest horizon apart.
     let total: f64 = stretches().map(|w| (seconds(w) - window).max(0.0)).sum();
-    let spacing = (total / settings.most_predictions as f64).max(0.1 * horizons.first().copied().unwrap_or(total));
+    let spacing = (total / settings.most_predictions as f64).max(0.1 * shortest);
     let variances: Vec<Vec<f64>> =
         records.iter().map(|r| r.measured.iter().map(|m| variance(&m.values)).collect()).collect();
     let mut drawn: Vec<Predicted> = Vec::new();
@@ -89,7 +106,7 @@ pub(super) fn predict(
         let list: Vec<Ahead> = trial
             .held_out
             .iter()
-            .flat_map(|w| starts(&records[w.record], w, window, spacing, horizons[0], horizons[horizons.len() - 1]))
+            .flat_map(|w| starts(&records[w.record], w, window, spacing, shortest, horizons[horizons.len() - 1]))
             .collect();
         let of = |fit: &Fit| -> Result<Vec<Option<Vec<Vec<f64>>>>, DiagnoseError> {
             let model = study.predictor(fit)?;

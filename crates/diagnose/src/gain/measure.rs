@@ -1,6 +1,5 @@
 //! The measured gain of an extended model.
 
-use bracketry_numerics::statistics::median;
 use rayon::prelude::*;
 
 use super::bootstrap::weighted_step;
@@ -49,7 +48,7 @@ pub fn measure_gain(
     validate: &[Record],
     settings: &DiagnosisSettings,
 ) -> Result<Option<(Gain, HeldOut)>, DiagnoseError> {
-    let window = typical_window(study);
+    let window = study.windows_used().seconds;
     let GainSettings { predictions, equations, .. } = &settings.gain;
     let of_validation;
     let (study, trials) = if validate.is_empty() {
@@ -95,15 +94,6 @@ pub fn measure_gain(
     let [as_given, refitted, after] = residuals;
     let before = if only_parameters { as_given } else { refitted };
     Ok(Some((gain, HeldOut { records: study.records().to_vec(), predicted, before, after })))
-}
-
-/// Median length of the windows, s.
-fn typical_window(study: &Study) -> f64 {
-    let length = |w: &Window| {
-        let times = &study.records()[w.record].times;
-        times[w.to - 1] - times[w.from]
-    };
-    median(study.windows().iter().map(length).collect()).unwrap_or(0.0)
 }
 
 /// Windows that follow each other without a gap, as one.

@@ -53,6 +53,10 @@ impl Report {
         }
         self.evidence.refitted = Some(refitted.clone());
         if !self.verdict.extends_the_model() {
+            // Nothing is gained, but what the model predicts is to be seen.
+            let at = study.linearize(refitted, &[], &all)?;
+            let fitted = Fitted { refitted, at_refitted: &at, extended: refitted, at_extended: &at };
+            self.evidence.held_out = measure_gain(study, &fitted, validate, settings)?.map(|(_, held_out)| held_out);
             return Ok(());
         }
         self.evidence.extended = Some(extended.clone());

@@ -161,8 +161,7 @@ pub struct Candidate {
     pub equation: String,
     /// The formula for the reader.
     pub term: Formula,
-    /// Share of the excess error that it takes away; negative if it makes things worse, absent where the refitted model leaves
-    /// over no more than noise.
+    /// Share of the excess error that it takes away, from 0 to 1; absent where the residual of the refitted model is noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
     /// The interval of 95 % for `share`, from resampling windows.
@@ -184,6 +183,15 @@ pub struct Excess {
     pub extended: Option<f64>,
     /// Probability of a residual like the refitted model's if there were only noise.
     pub p_value: f64,
+}
+
+/// The windows of a fit, each with an initial state of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Windows {
+    /// Their number.
+    pub count: usize,
+    /// Their median length, s.
+    pub seconds: f64,
 }
 
 /// The result of a diagnosis.
@@ -213,6 +221,8 @@ pub struct Report {
     pub candidates: Vec<Candidate>,
     /// What was noticed in the data, one per record that was read from columns.
     pub data: Vec<Audit>,
+    /// The windows in which the model was fitted; absent where it was not.
+    pub windows: Option<Windows>,
     /// What else the reader should know.
     pub notes: Vec<Note>,
     /// What it cost, in counts.

@@ -57,6 +57,13 @@ pub enum Note {
     OnlyParameters,
     /// The data are too short to measure the gain on a part of their own.
     TooShortForGain,
+    /// What longer windows left unexplained has a cause in these.
+    ShorterWindows {
+        /// Their length, s.
+        seconds: f64,
+        /// Length of the windows before, s.
+        used: f64,
+    },
     /// Measured columns that are not significant above their noise.
     StillColumns(Vec<String>),
     /// Inputs that continue otherwise between samples explain the data without any cause.

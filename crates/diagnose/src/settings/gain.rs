@@ -20,8 +20,15 @@ settings! {
         folds: usize = 4,
         /// Fewest windows of the fit in a held-out part.
         shortest_fold: usize = 2,
-        /// Horizons, s, where the data allow.
-        horizons: Vec<f64> = vec![0.1, 0.5, 1.0],
+        /// Horizons, s; none: the usual ones, or shares of a length that the data give.
+        horizons: Vec<f64> = Vec::new(),
+        /// The usual horizons, s: those of machines that are sampled often enough and have windows of seconds.
+        usual_horizons: Vec<f64> = vec![0.1, 0.5, 1.0],
+        /// Windows longer than this many of the longest usual horizon are those of a slow system: the usual shares of the window
+        /// replace the usual horizons.
+        slow_window: f64 = 10.0,
+        /// Fewest samples in a usual horizon.
+        fewest_samples: f64 = 2.0,
         /// Shares of the longest stretch that replace the horizons if it is too short for all but the first.
         horizon_shares: Vec<f64> = vec![0.25, 0.5],
         /// Most predictions per horizon: with more, neighbors overlap and add no information.
@@ -51,5 +58,18 @@ settings! {
         undecided_sign: f64 = 3.0,
         /// Most signs that are undecided at once: all their combinations are evaluated.
         most_undecided: usize = 6,
+    }
+}
+
+impl GainSettings {
+    /// The defaults with these horizons, s, in ascending order; with the usual ones if there are none.
+    pub fn with_horizons(horizons: &[f64]) -> Self {
+        let mut horizons = horizons.to_vec();
+        horizons.sort_by(f64::total_cmp);
+        horizons.dedup();
+        GainSettings {
+            predictions: PredictionSettings { horizons, ..PredictionSettings::default() },
+            ..Self::default()
+        }
     }
 }

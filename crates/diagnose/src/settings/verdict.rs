@@ -73,6 +73,8 @@ settings! {
         most_windows: usize = 330,
         /// Lengths of windows, as shares of the longest, with which parameters that are far off start.
         shorter: Vec<f64> = vec![0.25, 0.0625],
+        /// What stays unexplained is looked at in these windows, too, where they are shorter than this many of those before.
+        shorter_than: f64 = 0.75,
         /// Long windows are worth a search if a pair of candidates promises a residual of at most this many times the noise.
         within_reach: f64 = 3.0,
         /// Largest factor by which an amplitude may differ from the secant that it starts from: beyond it the secant is not valid.

@@ -32,4 +32,4 @@ pub use slot::WindowFit;
 pub use window::{Window, WindowLength};
 
 pub(crate) use signal_path::lagged;
-pub(crate) use window::stretches;
+pub(crate) use window::{shorter_windows, stretches};

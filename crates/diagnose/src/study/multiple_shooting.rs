@@ -12,7 +12,9 @@ use crate::effect::Effect;
 use crate::effort::Counter;
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::report::Windows;
 use crate::settings::StudySettings;
+use bracketry_numerics::statistics::median;
 use bracketry_system::System;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -86,6 +88,16 @@ impl Study {
     /// The windows.
     pub fn windows(&self) -> &[Window] {
         &self.windows
+    }
+
+    /// Number and length of the windows.
+    pub(crate) fn windows_used(&self) -> Windows {
+        let length = |w: &Window| {
+            let times = &self.sources.records[w.record].times;
+            times[w.to - 1] - times[w.from]
+        };
+        let seconds = median(self.windows.iter().map(length).collect()).unwrap_or(0.0);
+        Windows { count: self.windows.len(), seconds }
     }
 
     /// The parameters that are refitted, by their index in the system.

@@ -81,3 +81,14 @@ pub(super) fn shortest_window(records: &[Record], states: usize, settings: &Wind
         usable(records, fewest).fold((0.0, 0), |(t, n), (duration, steps)| (t + duration, n + steps));
     fewest.max(10 * states) as f64 * total / f64::max(intervals as f64, 1.0)
 }
+
+/// Shares of the longest window that are windows, s.
+pub(crate) fn shorter_windows(
+    records: &[Record],
+    states: usize,
+    shares: &[f64],
+    settings: &WindowSettings,
+) -> Vec<f64> {
+    let (longest, shortest) = (longest_window(records, settings), shortest_window(records, states, settings));
+    shares.iter().map(|share| share * longest).filter(|seconds| *seconds >= shortest).collect()
+}

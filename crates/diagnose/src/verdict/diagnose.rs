@@ -26,8 +26,9 @@ use super::validation::mispredicted;
 use super::{periods, scale, write};
 use crate::effort::Counter;
 use crate::library::{candidates, dictionary};
-use crate::report::{Caveat, Fits, Note};
-use crate::settings::{DiagnosisSettings, SearchSettings};
+use crate::report::{Caveat, Fits, Note, Windows};
+use crate::settings::{DiagnosisSettings, SearchSettings, StudySettings};
+use crate::study::shorter_windows;
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
@@ -52,12 +53,46 @@ pub fn diagnose(
         let name = "the number of causes that are named together (--max-causes)";
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
+    if let Some(&value) = settings.gain.predictions.horizons.iter().find(|h| !(**h > 0.0 && h.is_finite())) {
+        let name = "the horizon of predictions (--horizon)";
+        return Err(DiagnoseError::Setting { name, value, requirement: "positive" });
+    }
     let counter = Counter::default();
     let data = distinct(records, validate);
-    let mut report = examined(system, data, true, settings, &counter, progress)?;
+    let mut report = examined(system, data.clone(), true, settings, &counter, progress)?;
+    if report.verdict == Verdict::Unexplained && settings.study.window.is_none() {
+        report = in_shorter_windows(system, &data, report, settings, &counter, progress)?;
+    }
     report.effort = counter.effort();
     report.data = records.iter().chain(validate).filter_map(|r| r.audit.clone()).collect();
     report.seconds = started.elapsed().as_secs_f64();
+    Ok(report)
+}
+
+/// What a report left unexplained, in windows of a quarter and of a sixteenth of the length: what falls out of step over long windows, as with
+/// a long lag, may be clear in short ones. The first report with a cause, or the one that was.
+fn in_shorter_windows(
+    system: &System,
+    data: &Distinct,
+    report: Report,
+    settings: &DiagnosisSettings,
+    counter: &Counter,
+    progress: &mut dyn FnMut(Stage),
+) -> Result<Report, DiagnoseError> {
+    let Some(Windows { seconds: used, .. }) = report.windows else { return Ok(report) };
+    let parts = &settings.verdict.search.shorter;
+    for seconds in shorter_windows(&data.records, system.states.len(), parts, &settings.study.windows) {
+        if seconds > settings.verdict.search.shorter_than * used {
+            continue;
+        }
+        let study = StudySettings { window: Some(seconds), ..settings.study.clone() };
+        let settings = DiagnosisSettings { study, ..settings.clone() };
+        let mut found = examined(system, data.clone(), true, &settings, counter, progress)?;
+        if found.verdict.extends_the_model() && found.verdict.is_conclusive() {
+            found.notes.push(Note::ShorterWindows { seconds, used });
+            return Ok(found);
+        }
+    }
     Ok(report)
 }
 

@@ -55,6 +55,7 @@ pub(super) fn without_findings(system: &System) -> Report {
         parameters: Vec::new(),
         excess: None,
         candidates: Vec::new(),
+        windows: None,
         notes: Vec::new(),
         effort: Effort::default(),
         seconds: 0.0,

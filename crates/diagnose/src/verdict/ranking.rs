@@ -23,7 +23,8 @@ pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Diagn
             let member = e.members[0];
             let effect = &search.candidates[member];
             let gained = base.square() - e.square();
-            let share = (excess > 0.0).then(|| gained / excess);
+            // A fit to noise takes away more than the excess, and priors may cost more than an effect gains.
+            let share = (excess > 0.0).then(|| (gained / excess).clamp(0.0, 1.0));
             Candidate {
                 name: effect.cause,
                 equation: effect.equation.clone(),
@@ -65,7 +66,7 @@ fn interval(
         let drawn = (0..pairs.len()).map(|_| pairs[random.random_range(0..pairs.len())]);
         let [gained, excess] = drawn.fold([0.0, 0.0], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
         if excess > 0.0 {
-            shares.push(gained / excess);
+            shares.push((gained / excess).clamp(0.0, 1.0));
         }
     }
     // Where hardly any excess is left in some resamples, the ratio says nothing.

@@ -4,6 +4,7 @@ use crate::Record;
 use crate::report::{Note, Repetition};
 
 /// Records of which each is there once, and what was left out.
+#[derive(Clone)]
 pub(super) struct Distinct {
     /// Records to fit.
     pub(super) records: Vec<Record>,

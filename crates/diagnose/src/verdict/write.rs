@@ -72,6 +72,7 @@ pub(super) fn report(
             p_value: findings.alarm,
         }),
         candidates: ranking(search, findings, settings),
+        windows: Some(search.study.windows_used()),
         notes: limit(findings, settings).into_iter().collect(),
         effort: Effort::default(),
         seconds: 0.0,
@@ -198,7 +199,7 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
     let p_value = worth.as_ref().map(|w| w.1);
     let share = worth.and_then(|(gained, _, rest)| {
         let excess = rest.alarm.excess();
-        (excess > 0.0).then(|| gained / excess)
+        (excess > 0.0).then(|| (gained / excess).clamp(0.0, 1.0))
     });
     let estimates: Vec<&Estimate> = effect.coefficients.iter().filter_map(|c| chosen.fit.estimate(&c.name)).collect();
     let parameters = effect

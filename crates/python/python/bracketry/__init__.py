@@ -15,7 +15,7 @@ from ._analysis import Affinization, Analysis, AtPoint, LocalControllability, Mo
 from ._certificates import Certification, certify, check_certificate
 from ._control import ClosedLoop, control
 from ._controller import Controller, Prediction
-from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, diagnose
+from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, Windows, diagnose
 from ._export import Export
 from ._forms import Transformation, transform
 from ._from_rest import FromRest, FromRestMap, from_rest, from_rest_map
@@ -69,6 +69,7 @@ __all__ = [
     "Trajectory",
     "Transformation",
     "Trim",
+    "Windows",
     "__version__",
     "affinize",
     "analyze",

@@ -84,6 +84,16 @@ class Gain:
 
 
 @dataclass(frozen=True)
+class Windows:
+    """The windows in which a model was fitted, each with an initial state of its own."""
+
+    #: Their number.
+    count: int
+    #: Their median length in seconds.
+    seconds: float
+
+
+@dataclass(frozen=True)
 class RefittedParameter(Estimate):
     """A parameter of the given model, refitted."""
 
@@ -137,6 +147,8 @@ class Diagnosis(Result):
     parameters: dict[str, RefittedParameter] = field(repr=False)
     #: Candidates, best first.
     candidates: list[Candidate] = field(repr=False)
+    #: The windows of the fit; None where nothing was fitted.
+    windows: Windows | None = field(repr=False, default=None)
     #: The model with the causes in it; None without any.
     extended_model: System | None = field(repr=False, default=None)
     #: What the extended model changes in what the inputs reach.
@@ -166,6 +178,7 @@ def diagnose(
     max_causes: int | None = None,
     seed: int | None = None,
     window: float | None = None,
+    horizon: Sequence[float] = (),
     threads: int | None = None,
 ) -> Diagnosis:
     """Finds what a model gets wrong in measured data.
@@ -195,6 +208,8 @@ def diagnose(
         Seed of what is resampled.
     window
         Length of the windows in seconds; chosen from the data if left out.
+    horizon
+        Horizons in seconds at which predictions are compared; chosen from the data if left out.
     threads
         Threads to work with, all of the machine if left out. Results do not depend on them.
 
@@ -218,10 +233,12 @@ def diagnose(
         max_causes=None if max_causes is None else whole(max_causes, "max_causes"),
         seed=None if seed is None else whole(seed, "seed"),
         window=window,
+        horizon=[float(h) for h in horizon],
         threads=0 if threads is None else whole(threads, "threads"),
     )
     found = parsed(answer["json"])
     gain = found.get("gain")
+    windows = found.get("windows")
     extended = answer["extended_model"]
     return result_of(
         Diagnosis,
@@ -233,6 +250,7 @@ def diagnose(
         gain=None if gain is None else fields_of(Gain, gain),
         parameters={name: fields_of(RefittedParameter, p, value=p["after"]) for name, p in found["parameters"].items()},
         candidates=[fields_of(Candidate, c) for c in found["candidates"]],
+        windows=None if windows is None else fields_of(Windows, windows),
         extended_model=None if extended is None else System._of(extended),
     )
 

@@ -381,6 +381,7 @@ def diagnose(
     max_causes: int | None,
     seed: int | None,
     window: float | None,
+    horizon: Sequence[float],
     threads: int,
 ) -> _Diagnosis: ...
 def identify(data: _Text, robot: _Text, keep_outliers: bool) -> _Identification: ...

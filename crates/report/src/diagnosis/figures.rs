@@ -38,8 +38,10 @@ impl Diagnosis {
     pub fn figures(&self) -> Vec<Figure> {
         let mut figures = Vec::new();
         if let Some(held_out) = &self.report.evidence.held_out {
-            figures.extend(prediction(held_out));
-            figures.extend(forces(held_out));
+            // Without causes, the model as given stands where the extended one would.
+            let shown = if self.report.evidence.extended.is_some() { [1, 2] } else { [0, 1] };
+            figures.extend(prediction(held_out, shown));
+            figures.extend(forces(held_out, shown));
         }
         figures.extend(self.places());
         figures.extend(self.over_time());
@@ -199,7 +201,7 @@ fn shortened(term: &str) -> String {
 }
 
 /// A typical prediction: the one whose error with the refitted model is the median.
-fn prediction(held_out: &HeldOut) -> Option<Figure> {
+fn prediction(held_out: &HeldOut, shown: [usize; 2]) -> Option<Figure> {
     let error = |p: &Predicted| {
         let record = &held_out.records[p.record];
         let of = |(c, column): (usize, &Vec<f64>)| {
@@ -233,7 +235,7 @@ fn prediction(held_out: &HeldOut) -> Option<Figure> {
         let measured = Series::new("measured", t.clone(), at(&|k| m.values[p.start + k])).role(Role::Measured);
         let mut above = Panel::new(m.name.clone()).series(measured);
         let mut below = Panel::new(format!("{}: measured − predicted", m.name));
-        for model in [1, 2] {
+        for model in shown {
             let predicted = &p.columns[model][c];
             above = above.series(line(model, at(&|k| predicted[k])));
             below = below.series(line(model, at(&|k| m.values[p.start + k] - predicted[k])));
@@ -250,7 +252,7 @@ fn prediction(held_out: &HeldOut) -> Option<Figure> {
 }
 
 /// Residuals of the equations, against the state, before and after.
-fn forces(held_out: &HeldOut) -> Vec<Figure> {
+fn forces(held_out: &HeldOut, shown: [usize; 2]) -> Vec<Figure> {
     let mut names: Vec<&str> = held_out.after.iter().map(|r| r.equation.as_str()).collect();
     names.sort_unstable();
     names.dedup();
@@ -259,23 +261,23 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
         .filter_map(|equation| {
             let of = |list: &'_ [ForceResidual]| -> Vec<(f64, f64)> {
                 let mine = list.iter().filter(|r| r.equation == equation);
-                mine.flat_map(|r| r.state.iter().copied().zip(r.values.iter().copied())).collect()
+                mine.flat_map(|r| r.state.iter().copied().zip(r.values.iter().map(|v| -v))).collect()
             };
             let (before, after) = (of(&held_out.before), of(&held_out.after));
             let first = held_out.after.iter().find(|r| r.equation == equation)?;
             let what = match &first.input {
-                Some(input) => format!("applied − needed [unit of {input}]"),
-                None => format!("modeled − measured rate of {equation}"),
+                Some(input) => format!("needed − applied [unit of {input}]"),
+                None => format!("measured − modeled rate of {equation}"),
             };
             let mut panel = Panel::new(what);
-            for (model, points) in [(1, &before), (2, &after)] {
+            for (model, points) in shown.into_iter().zip([&before, &after]) {
                 let (name, role) = MODELS[model];
                 let pale = role.color().mix(Color(255, 255, 255), 0.65);
                 let (x, y) = thinned(points);
                 panel = panel.series(Series::new(format!("{name}, samples"), x, y).points().color(pale));
             }
             let mut frame = bulk(&before, &after);
-            for (model, points) in [(1, &before), (2, &after)] {
+            for (model, points) in shown.into_iter().zip([&before, &after]) {
                 let (x, y) = means(points);
                 frame = frame.map(|range| y.iter().fold(range, |(low, high), v| (v.min(low), v.max(high))));
                 let (name, role) = MODELS[model];
@@ -288,7 +290,7 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
             Some(Figure {
                 name: format!("force_{equation}"),
                 caption: format!(
-                    "Modeled minus measured in the equation of {equation}, smoothed to {:.3} Hz: points of the held-out data and \
+                    "Measured minus modeled in the equation of {equation}, smoothed to {:.3} Hz: points of the held-out data and \
                      their mean over {equation}; the outermost 2 % may lie outside the axes.",
                     first.bandwidth
                 ),

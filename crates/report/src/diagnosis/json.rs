@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bracketry_diagnose::{
     Audit, Candidate, Cause, Effort, Excess, Gain, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration,
-    Rival, Value, Verdict,
+    Rival, Value, Verdict, Windows,
 };
 use bracketry_symbolic::Named;
 use serde::{Serialize, Serializer};
@@ -33,6 +33,8 @@ pub struct DiagnosisJson<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     excess: Option<&'a Excess>,
     candidates: &'a [Candidate],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    windows: Option<Windows>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     data: &'a [Audit],
     notes: Vec<String>,
@@ -91,6 +93,7 @@ impl<'a> DiagnosisJson<'a> {
             extended_model,
             excess: report.excess.as_ref(),
             candidates: &report.candidates,
+            windows: report.windows,
             data: &report.data,
             notes: report.notes.iter().map(note).collect(),
             effort: report.effort,

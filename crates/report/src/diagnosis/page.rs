@@ -111,9 +111,12 @@ fn of_gain(gain: &Gain, level: usize) -> String {
             gain.predictions[k].to_string(),
         ]
     });
-    let mut out = heading(level, &format!("Gain on {data}"))
-        + &paragraph(&gain.metric)
-        + &table(&["horizon", "as given", "refitted", "extended", "predictions"], rows);
+    let mut out = heading(level, &format!("Gain on {data}")) + &paragraph(&gain.metric);
+    if gain.horizons_s.is_empty() {
+        out += &paragraph("No predictions: the horizons exceed the held-out data.");
+    } else {
+        out += &table(&["horizon", "as given", "refitted", "extended", "predictions"], rows);
+    }
     if let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after) {
         let (before, after) = (percent(before), percent(after));
         out += &paragraph(&format!("Force error relative to the applied force: {before} before, {after} after."));

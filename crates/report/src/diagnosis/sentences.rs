@@ -178,6 +178,11 @@ pub(super) fn note(note: &Note) -> String {
         ),
         Note::ExtendedModel(delay) => format!("extended model: {delay}"),
         Note::OnlyParameters => "gain: only parameters are wrong, so `before` is the model as given".to_owned(),
+        Note::ShorterWindows { seconds, used } => format!(
+            "found in windows of {} s: in windows of {} s, the residual stays unexplained (--window)",
+            significant(*seconds, 3),
+            significant(*used, 3)
+        ),
         Note::TooShortForGain => "the data are too short to measure the gain on a separate part".to_owned(),
         Note::StillColumns(names) => format!(
             "{} {}",

@@ -4,7 +4,8 @@ use std::fmt::{self, Formatter};
 use std::path::Path;
 
 use bracketry_diagnose::{
-    Candidate, Effort, Gain, NamedCause, RefittedParameter, Report, measured, p_value, probability, significant,
+    Candidate, Effort, Gain, NamedCause, RefittedParameter, Report, Windows, measured, p_value, probability,
+    significant,
 };
 
 use bracketry_system::counted;
@@ -65,6 +66,9 @@ fn write_report(f: &mut Formatter<'_>, report: &Report, extended_model: Option<&
     if let Some(path) = extended_model {
         writeln!(f, "\nExtended model: {}", path.display())?;
     }
+    if let Some(Windows { count, seconds }) = report.windows {
+        writeln!(f, "\nFitted in {} of {} s", counted(count, "window", "windows"), short(seconds))?;
+    }
     let Effort { fits, linearizations, simulations, steps, rejected, .. } = report.effort;
     let (fits, linearizations) =
         (counted(fits as usize, "fit", "fits"), counted(linearizations as usize, "linearization", "linearizations"));
@@ -105,6 +109,9 @@ fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {
 fn write_gain(f: &mut Formatter<'_>, gain: &Gain) -> fmt::Result {
     let data = if gain.held_out { "held-out data" } else { "the data of the fit" };
     writeln!(f, "Gain on {data}: {}", gain.metric)?;
+    if gain.horizons_s.is_empty() {
+        writeln!(f, "  no predictions: the horizons exceed the held-out data")?;
+    }
     let mut table = Table::new(["horizon", "as given", "refitted", "extended", "refitted/extended", "predictions"]);
     for (k, horizon) in gain.horizons_s.iter().enumerate() {
         table.row([
@@ -116,7 +123,9 @@ fn write_gain(f: &mut Formatter<'_>, gain: &Gain) -> fmt::Result {
             gain.predictions[k].to_string(),
         ]);
     }
-    write!(f, "{table}")?;
+    if !gain.horizons_s.is_empty() {
+        write!(f, "{table}")?;
+    }
     if let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after) {
         write!(f, "  force error relative to the applied force: ")?;
         if let Some(given) = gain.equation_error_as_given {

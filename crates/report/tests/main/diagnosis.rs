@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bracketry_diagnose::{
     Candidate, Cause, Closeness, Effort, Evidence, Excess, Formula, Gain, NamedCause, Note, Outcome, Place,
-    RefittedParameter, Regime, Report, Rival, Value, Verdict, VerdictReason,
+    RefittedParameter, Regime, Report, Rival, Value, Verdict, VerdictReason, Windows,
 };
 use bracketry_report::{DiagnosisJson, diagnosis_text};
 use bracketry_symbolic::Pool;
@@ -74,6 +74,7 @@ fn report() -> Report {
             p_value: 1e-6,
             chosen: true,
         }],
+        windows: Some(Windows { count: 16, seconds: 0.5 }),
         data: Vec::new(),
         notes: vec![Note::OnlyParameters],
         seconds: 3.1,
@@ -146,6 +147,7 @@ fn text_names_the_cause_its_value_its_rival_and_the_gain() {
         "5.95 % refitted, 2.90 % extended (derivatives up to 100 Hz)",
         "mu         0.3     0.2700  0.0040",
         "Extended model: out/extended.toml",
+        "Fitted in 16 windows of 0.5",
     ] {
         assert!(text.contains(part), "`{part}` is not in\n{text}");
     }

@@ -36,6 +36,7 @@ fn score(hidden: &[Option<Cause>], named: &[(Cause, &[Cause])], unexplained: boo
         parameters: Vec::new(),
         excess: None,
         candidates: Vec::new(),
+        windows: None,
         data: Vec::new(),
         notes: Vec::new(),
         effort: Effort::default(),
