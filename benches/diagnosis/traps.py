@@ -87,7 +87,7 @@ FAULTS: dict[str, set[str]] = {
     # Where the model has the same term, its parameter is wrong.
     "viscous": {"viscous_friction", "leak", "parameter_error"},
     "coulomb": {"coulomb_friction"},
-    "quadratic": {"quadratic_drag"},
+    "quadratic": {"quadratic_drag", "quadratic_loss"},
     "stiffness": {"linear_stiffness", "parameter_error"},
     "constant": {"tilt", "constant_bias", "gravity"},
     "sensor_offset": {"sensor_bias"},
@@ -99,7 +99,7 @@ FAULTS: dict[str, set[str]] = {
     "dead_zone": {"dead_zone"},
     "jump": {"parameter_jump"},
     "drift": {"sensor_drift"},
-    "filter": {"sensor_filter", "sensor_lag"},
+    "filter": {"sensor_lag"},
     "hidden_mode": set(),
 }
 UNITS = [1000, 1e-3, 180 / math.pi, math.pi / 180, 100, 0.01, 2 * math.pi, 60 / (2 * math.pi), 60, 9.80665, 0.0254]

@@ -15,6 +15,8 @@ pub enum Cause {
     CoulombFriction,
     StribeckFriction,
     QuadraticDrag,
+    Leak,
+    QuadraticLoss,
     FrictionAsymmetry,
     AnisotropicFriction,
     PressureRadius,
@@ -26,6 +28,7 @@ pub enum Cause {
     InputDelay,
     ActuatorLag,
     SensorDelay,
+    SensorLag,
     SensorBias,
     SensorDrift,
     DeadZone,
@@ -121,6 +124,8 @@ pub enum Path {
     ActuatorLag,
     /// Pure delay of measured columns, s.
     SensorDelay,
+    /// First-order filter of measured columns, s.
+    SensorLag,
     /// Offset of a measured column.
     SensorBias,
     /// Offset of a measured column that grows with the time from the start of a record, per second.

@@ -25,6 +25,8 @@ pub struct ExtendedModel {
     pub system: System,
     /// Delays that are no part of the model.
     pub notes: Vec<OutsideDelay>,
+    /// Outputs that stand for measured states, by name of the state.
+    measured: FxHashMap<String, usize>,
 }
 
 /// A delay that a model's equations cannot say: of measured columns, or a negative one of inputs.
@@ -53,16 +55,20 @@ impl ExtendedModel {
     /// widens it (1 for none). Limits that a fitted value breaks are dropped.
     ///
     /// A lag of an input `u` becomes a state `u_lagged` that the equations use in place of `u` (and its derivatives, by
-    /// `τ u_lagged' = u − u_lagged`), the time a state with derivative 1, an offset of a measured column, or a tracked
+    /// `τ u_lagged' = u − u_lagged`), a filter of a measured column a state that an output shows, the time a state with derivative 1, an offset of a measured column, or a tracked
     /// point off the center of mass, an output. A delay of
     /// an input stands in the model's table of delays, on top of one that it had.
     ///
     /// # Errors
     /// [`DiagnoseError`] for an effect that does not fit the model.
     pub fn new(system: &System, fit: &Fit, width: f64) -> Result<Self, DiagnoseError> {
-        let mut extended = Self { system: equations(system, &fit.effects, &fit.values)?, notes: Vec::new() };
+        let system = equations(system, &fit.effects, &fit.values)?;
+        let mut extended = Self { system, notes: Vec::new(), measured: FxHashMap::default() };
         extended.system.mark_dry_friction();
-        for effect in &fit.effects {
+        // Offsets stand behind filters.
+        let is_filter = |e: &&Effect| matches!(e.change, Change::Path { path: Path::SensorLag, .. });
+        let (filters, others): (Vec<&Effect>, Vec<&Effect>) = fit.effects.iter().partition(is_filter);
+        for effect in filters.into_iter().chain(others) {
             match &effect.change {
                 Change::Path { path, signals } => extended.add_path(effect, *path, signals, &fit.values)?,
                 Change::TrackedPoint { position, angle, .. } => {
@@ -76,7 +82,7 @@ impl ExtendedModel {
             describe(&mut extended.system, estimate, width);
         }
         if !fit.effects.is_empty() {
-            extended.system.name = format!("{}_extended", system.name);
+            extended.system.name.push_str("_extended");
         }
         Ok(extended)
     }
@@ -114,16 +120,17 @@ impl ExtendedModel {
             match path {
                 Path::ActuatorLag => add_lag(&mut self.system, name, symbol)?,
                 Path::InputDelay => add_delay(&mut self.system, name, symbol)?,
+                Path::SensorLag => self.add_filter(name, symbol)?,
                 Path::SensorDelay | Path::SensorBias => {
                     let offset = self.system.pool.sym(symbol);
-                    add_offset(&mut self.system, name, offset)?;
+                    self.add_offset(name, offset)?;
                 }
                 Path::SensorDrift => {
                     let mut names = ModelNames::new(&mut self.system);
                     let text = format!("{}*{TIME_INPUT}", coefficient.name);
                     let offset = names.read(&mut self.system.pool, &text)?;
                     names.register(&mut self.system);
-                    add_offset(&mut self.system, name, offset)?;
+                    self.add_offset(name, offset)?;
                 }
             }
         }
@@ -154,9 +161,53 @@ impl ExtendedModel {
             format!("{along}*sin({angle}) + {across}*cos({angle})"),
         ]) {
             let shift = ModelNames::new(&mut self.system).read(&mut self.system.pool, &text)?;
-            add_offset(&mut self.system, column, shift)?;
+            self.add_offset(column, shift)?;
         }
         Ok(())
+    }
+
+    /// Adds an offset to an output; a measured state gets an output of its own.
+    fn add_offset(&mut self, column: &str, offset: Expr) -> Result<(), DiagnoseError> {
+        let output = self.output_of(column)?;
+        let exact = self.system.outputs[output].1;
+        self.system.outputs[output].1 = self.system.pool.add(exact, offset);
+        Ok(())
+    }
+
+    /// Lets an output show a state that follows it with the time constant `tau`; a measured state gets an output of its own.
+    fn add_filter(&mut self, column: &str, tau: Symbol) -> Result<(), DiagnoseError> {
+        let output = self.output_of(column)?;
+        let name = free_name(&self.system, &format!("{column}_filtered"));
+        let System { pool, states, inputs, dynamics, outputs, point, .. } = &mut self.system;
+        let filtered = pool.symbol(&name);
+        let (exact, y, tau) = (outputs[output].1, pool.sym(filtered), pool.sym(tau));
+        let difference = pool.sub(exact, y);
+        if let Some(point) = point {
+            let symbols = states.iter().chain(inputs.iter()).map(|&s| pool.sym(s)).collect::<Vec<_>>();
+            let values = point.states.iter().chain(&point.inputs).copied();
+            let at = pool.substitute(exact, &symbols.into_iter().zip(values).collect());
+            point.states.push(at);
+        }
+        states.push(filtered);
+        dynamics.push(pool.div(difference, tau));
+        outputs[output].1 = y;
+        Ok(())
+    }
+
+    /// The output that a measured column shows; a measured state gets one of its own.
+    fn output_of(&mut self, column: &str) -> Result<usize, DiagnoseError> {
+        let system = &mut self.system;
+        let own = system.outputs.iter().position(|(name, _)| name == column);
+        if let Some(known) = own.or_else(|| self.measured.get(column).copied()) {
+            return Ok(known);
+        }
+        let index = system.state_index(column);
+        let index = index.ok_or_else(|| unknown("measured column", column, &system.state_names()))?;
+        let name = free_name(system, &format!("{column}_measured"));
+        let state = system.pool.sym(system.states[index]);
+        system.outputs.push((name, state));
+        self.measured.insert(column.to_owned(), system.outputs.len() - 1);
+        Ok(system.outputs.len() - 1)
     }
 
     /// Where terms use the time, it becomes a state that starts at 0.
@@ -277,22 +328,6 @@ fn add_lag(system: &mut System, input: &str, tau: Symbol) -> Result<(), Diagnose
     if let Some(point) = &mut system.point {
         point.states.push(point.inputs[index]);
     }
-    Ok(())
-}
-
-/// Adds an offset to an output; a measured state gets an output of its own.
-fn add_offset(system: &mut System, column: &str, offset: Expr) -> Result<(), DiagnoseError> {
-    if let Some(k) = system.outputs.iter().position(|(name, _)| name == column) {
-        let exact = system.outputs[k].1;
-        system.outputs[k].1 = system.pool.add(exact, offset);
-        return Ok(());
-    }
-    let known = system.state_index(column);
-    let index = known.ok_or_else(|| unknown("measured column", column, &system.state_names()))?;
-    let name = free_name(system, &format!("{column}_measured"));
-    let state = system.pool.sym(system.states[index]);
-    let measured = system.pool.add(state, offset);
-    system.outputs.push((name, measured));
     Ok(())
 }
 

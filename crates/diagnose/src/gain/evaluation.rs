@@ -117,7 +117,8 @@ impl Equations {
                 match (path, system.input_index(name)) {
                     (Path::InputDelay, Some(i)) => inputs[i].0 += value,
                     (Path::ActuatorLag, Some(i)) => inputs[i].1 += value,
-                    (Path::SensorDelay, _) => columns.push((name.clone(), [value, 0.0, 0.0])),
+                    // To first order a filter is a delay by its time constant.
+                    (Path::SensorDelay | Path::SensorLag, _) => columns.push((name.clone(), [value, 0.0, 0.0])),
                     (Path::SensorBias, _) => columns.push((name.clone(), [0.0, value, 0.0])),
                     (Path::SensorDrift, _) => columns.push((name.clone(), [0.0, 0.0, value])),
                     (Path::InputDelay | Path::ActuatorLag, None) => {}
@@ -324,7 +325,7 @@ impl Equations {
         let (delay, lag) = self.inputs[input];
         let mut values = signal.values[range.clone()].to_vec();
         if lag > 0.0 {
-            values = lagged(&record.times[range], &values, signal.hold, lag);
+            values = lagged(&record.times[range], &values, signal.hold, lag, values[0]);
         }
         let half = if signal.hold == Hold::Previous { 0.5 } else { 0.0 };
         shifted(&values, delay / stretch.dt + half)

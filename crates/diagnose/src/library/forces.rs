@@ -37,13 +37,13 @@ impl Builder {
             let k = self.name("bias", &x);
             let coefficient = amplitude(k.clone(), "", format!("constant rate of {x}"));
             self.along(Cause::ConstantBias, row, &one, &k, vec![coefficient])?;
-            for (base, law, about) in [
-                ("linear", format!("*{x}"), "linear in"),
-                ("quadratic", format!("*abs({x})*{x}"), "with the square of"),
+            for (cause, base, law, about) in [
+                (Cause::Leak, "leak", format!("*{x}"), "proportional to"),
+                (Cause::QuadraticLoss, "quadratic_loss", format!("*abs({x})*{x}"), "with the square of"),
             ] {
                 let k = self.name(base, &x);
-                let coefficient = amplitude(k.clone(), "", format!("loss {about} {x}"));
-                self.along(Cause::UnknownTerm, row, &one, &format!("-{k}{law}"), vec![coefficient])?;
+                let coefficient = dissipation(k.clone(), "", format!("loss {about} {x}"));
+                self.along(cause, row, &one, &format!("-{k}{law}"), vec![coefficient])?;
             }
         }
         Ok(())

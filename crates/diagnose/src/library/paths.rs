@@ -1,4 +1,4 @@
-//! Effects in signal paths: delays, lags, offsets, drifts, and a tracked point off the center of mass.
+//! Effects in signal paths: delays, lags, filters, offsets, drifts, and a tracked point off the center of mass.
 
 use bracketry_numerics::statistics::{median, rms, steps};
 use bracketry_symbolic::{Fence, Joint, Notation, Relation};
@@ -37,9 +37,11 @@ impl Builder {
         let all: Vec<String> = sensors.iter().map(|s| s.name.clone()).collect();
         if sensors.len() > 1 {
             self.time(Cause::SensorDelay, Path::SensorDelay, "sensor_delay", "all", all.clone(), interval);
+            self.time(Cause::SensorLag, Path::SensorLag, "sensor_lag", "all", all.clone(), interval);
         }
         for name in all {
-            self.time(Cause::SensorDelay, Path::SensorDelay, "sensor_delay", &name.clone(), vec![name], interval);
+            self.time(Cause::SensorDelay, Path::SensorDelay, "sensor_delay", &name, vec![name.clone()], interval);
+            self.time(Cause::SensorLag, Path::SensorLag, "sensor_lag", &name, vec![name.clone()], interval);
         }
         self.com_offset(records);
         for i in 0..sensors.len() {
@@ -116,11 +118,13 @@ impl Builder {
         let what = match path {
             Path::ActuatorLag => "follows its command with this time constant",
             Path::InputDelay => "acts this much later than logged",
+            Path::SensorLag => "is shown by a filter with this time constant",
             Path::SensorDelay | Path::SensorBias | Path::SensorDrift => "is logged this much later than it happens",
         };
         let shown = signals.join(", ");
         let term = match path {
-            Path::ActuatorLag => Formula::new(format!("{shown}: {k}*der(y) = u - y"), lagged(&signals, &k)),
+            Path::ActuatorLag => Formula::new(format!("{shown}: {k}*der(y) = u - y"), lagged(&signals, &k, "u")),
+            Path::SensorLag => Formula::new(format!("{shown}: {k}*der(y) = x - y"), lagged(&signals, &k, "x")),
             Path::InputDelay | Path::SensorDelay | Path::SensorBias | Path::SensorDrift => {
                 Formula::new(format!("{shown}(t - {k})"), delayed(&signals, &k))
             }
@@ -182,11 +186,11 @@ fn delayed(signals: &[String], tau: &str) -> Notation {
     Notation::List(Joint::Comma, symbols(signals).into_iter().map(at).collect())
 }
 
-/// τ y' = u − y for each signal.
-fn lagged(signals: &[String], tau: &str) -> Notation {
+/// τ y' = u − y for each signal, with a name in place of u.
+fn lagged(signals: &[String], tau: &str, of: &str) -> Notation {
     let y = || Notation::symbol("y");
     let rate = Notation::Product(vec![Notation::symbol(tau), y().dotted(1)]);
-    let gap = Notation::Sum(vec![Notation::symbol("u"), Notation::Negative(Box::new(y()))]);
+    let gap = Notation::Sum(vec![Notation::symbol(of), Notation::Negative(Box::new(y()))]);
     let each = Notation::List(Joint::Comma, symbols(signals));
     Notation::Row(vec![each, Notation::Sign(':'), Notation::text(" "), rate.relation(Relation::Equal, gap)])
 }

@@ -57,7 +57,7 @@ fn family(cause: Cause) -> Family {
         | Cause::FrictionAsymmetry => Family::Rate,
         Cause::ConstantBias | Cause::Tilt => Family::Constant,
         Cause::LinearStiffness | Cause::CubicStiffness => Family::Position,
-        Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay => Family::Timing,
+        Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay | Cause::SensorLag => Family::Timing,
         Cause::InputGain | Cause::ParameterError | Cause::SensorBias => Family::Scale,
         Cause::InertialCoupling | Cause::JointCoupling => Family::Coupling,
         Cause::FrictionCoupling
@@ -71,6 +71,8 @@ fn family(cause: Cause) -> Family {
         | Cause::DeadZone
         | Cause::Saturation
         | Cause::SensorDrift
+        | Cause::Leak
+        | Cause::QuadraticLoss
         | Cause::WrongSign
         | Cause::WrongUnit
         | Cause::SwappedColumns
@@ -139,12 +141,12 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     use Cause::{
         ActuatorLag, AnisotropicFriction, Backlash, ComOffset, ConstantBias, CoulombFriction, CubicStiffness,
         FrictionAsymmetry, FrictionCoupling, InertialCoupling, InputDelay, InputGain, JointCoupling, LinearStiffness,
-        ParameterError, PeriodicDisturbance, PressureRadius, SensorBias, SensorDelay, Tilt, ViscousFriction,
+        ParameterError, PeriodicDisturbance, PressureRadius, SensorBias, SensorDelay, SensorLag, Tilt, ViscousFriction,
         YawFriction,
     };
     let q = position(a, system);
     Some(match (a.cause, b.cause) {
-        (ViscousFriction, ActuatorLag | InputDelay | SensorDelay) => format!(
+        (ViscousFriction, ActuatorLag | InputDelay | SensorDelay | SensorLag) => format!(
             "add fast content to the input, at {}: the phase of a delay or lag grows with frequency, that of viscous \
              friction falls",
             corner([a, b])
@@ -177,13 +179,17 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
         (LinearStiffness | CubicStiffness | ConstantBias | Tilt, SensorBias) => format!(
             "release the device at several positions and measure where it rests, with {q} read off by a second instrument"
         ),
+        (SensorDelay, SensorLag) => format!(
+            "add content to the input at {}: a filter also makes the readings smaller there, a delay does not",
+            corner([a, b])
+        ),
         (InputDelay, ActuatorLag) => {
             format!(
                 "add content to the input at {}: a lag also makes the response smaller there, a delay does not",
                 corner([a, b])
             )
         }
-        (InputDelay | ActuatorLag, SensorDelay) => {
+        (InputDelay | ActuatorLag, SensorDelay | SensorLag) => {
             "record the input where it acts with the same instrument as the motion (or one event, such as a knock, \
              with all instruments): a delay of the sensors shifts that record too"
                 .to_owned()
@@ -310,7 +316,10 @@ fn isolating(e: &Effect, system: &System) -> String {
         Cause::ConstantBias | Cause::Tilt => format!("compare both directions of {v} at the same speed"),
         Cause::LinearStiffness | Cause::CubicStiffness => format!("hold {q} still at several positions"),
         Cause::InputGain | Cause::ParameterError => "scale the input by two".to_owned(),
-        Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay => "add fast content to the input".to_owned(),
+        Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay | Cause::SensorLag => {
+            "add fast content to the input".to_owned()
+        }
+        Cause::Leak | Cause::QuadraticLoss => format!("let {v} fall without input, from a high and from a low value"),
         Cause::SensorBias => format!("read {v} at rest against a second instrument"),
         Cause::SensorDrift => format!("read {v} at rest over a long time"),
         Cause::DeadZone => format!("apply small values of {v}, growing slowly from 0"),

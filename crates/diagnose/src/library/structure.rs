@@ -198,7 +198,7 @@ fn rates_without_position(system: &mut System, pairs: &[(usize, usize)]) -> Vec<
     free.into_iter()
         .filter(|&i| {
             let name = system.symbol_name(system.states[i]).to_lowercase();
-            let rest = name.strip_prefix('v').map(|r| r.chars().next().is_none_or(|c| !c.is_alphabetic()));
+            let rest = name.strip_prefix(['v', 'w', 'ω']).map(|r| r.chars().next().is_none_or(|c| !c.is_alphabetic()));
             let named =
                 rest == Some(true) || ["vel", "omega", "speed", "vx", "vy", "vz"].iter().any(|n| name.starts_with(n));
             named || dry_friction(system, i).is_some()
@@ -234,7 +234,7 @@ fn kind(system: &mut System, position: Option<usize>, rate: usize, joints: bool)
     }
     let name = |i: usize| system.symbol_name(system.states[i]).to_lowercase();
     let named = |n: &str| ANGLES.iter().any(|a| n.starts_with(a));
-    if named(&name(rate)) || name(rate) == "w" || position.is_some_and(|q| named(&name(q))) {
+    if named(&name(rate)) || name(rate).starts_with(['w', 'ω']) || position.is_some_and(|q| named(&name(q))) {
         return Kind::Angle;
     }
     // Torques and inertias about an axis, not forces and masses.

@@ -28,6 +28,8 @@ settings! {
         fewest_windows: f64 = 16.0,
         /// Difference of the mean logarithm of the standard deviations below which two lengths are equal; the longer is taken.
         indifferent: f64 = 0.03,
+        /// Longest time constant of a filter of a column, over the length of the windows.
+        slowest_filter: f64 = 0.25,
         /// Estimates start the fits with the next length if their standard deviation is below this share of the prior's.
         certain_share: f64 = 0.2,
     }

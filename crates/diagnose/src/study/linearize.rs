@@ -108,6 +108,7 @@ impl Study {
         mut each: impl FnMut(&[Column], Normal),
     ) -> Result<Linearization, DiagnoseError> {
         self.counter().linearization();
+        let candidates = &self.within_windows(candidates);
         let compiled = self.compiled(&fit.effects)?;
         let theta = theta_of(fit);
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
@@ -227,6 +228,9 @@ impl Study {
         late: &mut Vec<Delayed>,
     ) -> Result<Vec<OfWindow>, DiagnoseError> {
         let Tried { compiled, secants, amplitudes, propagated } = tried;
+        if let Some(columns) = filters(slot, compiled, point, theta, secants) {
+            return Ok(columns);
+        }
         let noise = &self.noise[slot.runner.window.record];
         let records = &self.sources.records;
         let mut runner = Runner::new(records, compiled, slot.runner.window, noise, slot.scales.len())?;
@@ -278,6 +282,28 @@ fn by_samples(
         *v /= step;
     }
     Some(column)
+}
+
+/// The secants of a filter of measured columns, which need no simulation; none of anything else, or where the trajectory at the point is
+/// not at hand.
+fn filters(
+    slot: &Slot<'_>,
+    compiled: &Compiled,
+    point: &Point,
+    theta: &[f64],
+    secants: &[Secant],
+) -> Option<Vec<OfWindow>> {
+    let Some(Target::Column(Path::SensorLag, names)) = compiled.targets.get(theta.len()) else { return None };
+    if !slot.runner.trajectory.is_of(theta, &point.x0) {
+        return None;
+    }
+    let of = |s: &Secant| {
+        let moved = slot.runner.filtered_more(names, s.to);
+        let mut out = vec![0.0; moved.len()];
+        difference(&moved, &point.simulated, s.to, &mut out);
+        Ok(out)
+    };
+    Some(secants.iter().map(of).collect())
 }
 
 /// A secant in natural units.

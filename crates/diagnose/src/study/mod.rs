@@ -4,6 +4,7 @@
 //! without continuity: Bock, "Recent advances in parameter identification techniques for ODE", 1983, where the windows are
 //! joined). The equations are simulated with exact sticking and sliding, never differentiated data.
 
+mod column_path;
 mod compiled;
 mod fit;
 mod initial;

@@ -8,7 +8,7 @@ use super::runner::{Failure, Runner};
 use super::slot::{Slot, WindowFit};
 use super::unknown::is_natural_constant;
 use super::window::{Window, WindowLength, cut, longest_window, stretches};
-use crate::effect::Effect;
+use crate::effect::{Change, Effect, Path};
 use crate::effort::Counter;
 use crate::error::DiagnoseError;
 use crate::record::Record;
@@ -210,7 +210,26 @@ impl Study {
 
     /// The model with effects, compiled.
     pub(super) fn compiled(&self, effects: &[Effect]) -> Result<Compiled, DiagnoseError> {
-        Compiled::new(&self.system, &self.sources, &self.parameters, effects, &self.settings)
+        Compiled::new(&self.system, &self.sources, &self.parameters, &self.within_windows(effects), &self.settings)
+    }
+
+    /// Effects with filters of columns that are faster than the windows: others show hardly anything but their own starts, which are free.
+    pub(super) fn within_windows(&self, effects: &[Effect]) -> Vec<Effect> {
+        let most = self.settings.windows.slowest_filter * self.windows_used().seconds;
+        let mut effects = effects.to_vec();
+        for effect in &mut effects {
+            if !matches!(effect.change, Change::Path { path: Path::SensorLag, .. }) {
+                continue;
+            }
+            for c in &mut effect.coefficients {
+                c.max = c.max.min(most);
+                c.trials.retain(|trial| *trial <= most);
+                if c.trials.is_empty() {
+                    c.trials.push(most);
+                }
+            }
+        }
+        effects
     }
 
     /// Windows ready to be simulated, with the initial states of `start` where it has them.

@@ -3,6 +3,7 @@
 use super::compiled::{Compiled, Target};
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
+use crate::effect::Path;
 use crate::settings::SolverSettings;
 use bracketry_numerics::least_squares::{Damping, Trial};
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -49,7 +50,9 @@ impl<'a> States<'a> {
 pub(super) fn simulate(runner: &mut Runner<'_>, theta: &[f64], x0: &[f64]) -> Result<Point, Failure> {
     let mut simulated = vec![0.0; runner.target.len()];
     runner.simulate(theta, x0, &mut simulated)?;
-    let square = runner.target.iter().zip(&simulated).map(|(y, s)| (y - s) * (y - s)).sum();
+    let square: f64 = runner.target.iter().zip(&simulated).map(|(y, s)| (y - s) * (y - s)).sum();
+    // A start that is fitted takes the noise of one sample away.
+    let square = square + runner.fitted_starts() as f64;
     Ok(Point { x0: x0.to_vec(), simulated, square })
 }
 
@@ -109,6 +112,13 @@ pub(super) fn sensitivities(
             continue;
         }
         let step = step_of(unknown, theta[j], compiled.step(j, runner.sampling()));
+        if let Target::Column(Path::SensorLag, names) = &compiled.targets[j]
+            && runner.trajectory.is_of(theta, &point.x0)
+        {
+            let moved = runner.filtered_more(names, step);
+            difference(&moved, &point.simulated, step / unknown.scale, column.as_mut_slice());
+            continue;
+        }
         let mut values = theta.to_vec();
         values[j] += step;
         runner.simulate(&values, &point.x0, &mut moved)?;

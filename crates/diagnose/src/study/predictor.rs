@@ -3,6 +3,7 @@
 use super::compiled::Compiled;
 use super::fit::{Estimate, Fit, FitStatus};
 use super::multiple_shooting::{Study, theta_of};
+use super::normal::simulate;
 use super::runner::{Failure, Runner};
 use super::slot::Slot;
 use super::unknown::Unknown;
@@ -49,8 +50,8 @@ impl Study {
 }
 
 impl Predictor<'_> {
-    /// The initial state at the first sample of a stretch (earlier by the longest sensor delay), fitted to the samples of the stretch
-    /// alone; why and when the simulation ended where that is not possible.
+    /// The initial state at the first sample of a stretch (earlier by the longest sensor delay), and after it what the filter of each
+    /// measured column shows first (NaN without one), fitted to the samples of the stretch alone; why and when the simulation ended where that is not possible.
     ///
     /// # Errors
     /// [`DiagnoseError::NoSuchStretch`] for a stretch of fewer than two samples or beyond its record.
@@ -69,7 +70,12 @@ impl Predictor<'_> {
             state: Err(Failure::not_simulated()),
         };
         slot.settle(&self.compiled, &self.theta, self.compiled.settings.solver.settled_share);
-        Ok(slot.state.map(|point| point.x0).map_err(|failure| failure.to_string()))
+        if slot.runner.fitted_starts() == 0 {
+            return Ok(slot.state.map(|point| point.x0).map_err(|failure| failure.to_string()));
+        }
+        let settled = slot.state.and_then(|point| simulate(&mut slot.runner, &self.theta, &point.x0));
+        let starts = slot.runner.trajectory.filter_starts.iter().zip(&slot.runner.weights).map(|(s, w)| s / w);
+        Ok(settled.map(|point| point.x0.into_iter().chain(starts).collect()).map_err(|failure| failure.to_string()))
     }
 
     /// What every measured column of the record would show at every sample of a stretch, from an initial state as
@@ -81,6 +87,8 @@ impl Predictor<'_> {
         let mut runner = self.runner(stretch)?;
         runner.weights.fill(1.0);
         runner.present.fill(true);
+        let (x0, starts) = x0.split_at(self.study.system.states.len().min(x0.len()));
+        runner.filter_starts = Some(starts.to_vec()).filter(|s| s.len() == runner.weights.len());
         let mut out = vec![f64::NAN; runner.target.len()];
         // Where it stops, the rest stays NaN.
         let _stopped = runner.simulate(&self.theta, x0, &mut out);

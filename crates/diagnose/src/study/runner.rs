@@ -1,5 +1,6 @@
 //! The simulation of one window, for any values of the unknowns.
 
+use super::column_path::ColumnPath;
 use super::compiled::{Compiled, Target};
 use super::signal_path::through_path;
 use super::tracked::TrackedPoint;
@@ -46,22 +47,6 @@ pub(super) struct Delayed {
     pub(super) late: Vec<f64>,
 }
 
-/// The path of a measured column.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct ColumnPath {
-    delay: f64,
-    offset: f64,
-    /// Growth of the offset per second from the start of the record.
-    drift: f64,
-}
-
-impl ColumnPath {
-    /// What is added to the true value this long after the start of the record.
-    fn offset_after(&self, elapsed: f64) -> f64 {
-        self.offset + self.drift * elapsed
-    }
-}
-
 /// The paths of the signals, for some values of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
 struct SignalPaths {
@@ -92,6 +77,8 @@ pub(super) struct Runner<'a> {
     pub(super) present: Vec<bool>,
     /// 1/σ of each column.
     pub(super) weights: Vec<f64>,
+    /// What the filters of the columns show at first, over the noise; `None`: what suits the measurements best.
+    pub(super) filter_starts: Option<Vec<f64>>,
 }
 
 impl<'a> Runner<'a> {
@@ -138,6 +125,7 @@ impl<'a> Runner<'a> {
             target,
             present,
             weights,
+            filter_starts: None,
         })
     }
 
@@ -167,20 +155,18 @@ impl<'a> Runner<'a> {
                     for &i in inputs {
                         match path {
                             Path::ActuatorLag => paths.inputs[i].1 += value,
-                            Path::InputDelay | Path::SensorDelay | Path::SensorBias | Path::SensorDrift => {
-                                paths.inputs[i].0 += value;
-                            }
+                            Path::InputDelay
+                            | Path::SensorDelay
+                            | Path::SensorLag
+                            | Path::SensorBias
+                            | Path::SensorDrift => paths.inputs[i].0 += value,
                         }
                     }
                 }
                 Target::Column(path, names) => {
                     for (column, m) in paths.columns.iter_mut().zip(&self.record.measured) {
                         if names.contains(&m.name) {
-                            match path {
-                                Path::SensorBias => column.offset += value,
-                                Path::SensorDrift => column.drift += value,
-                                Path::SensorDelay | Path::InputDelay | Path::ActuatorLag => column.delay += value,
-                            }
+                            column.add(*path, *value);
                         }
                     }
                 }
@@ -261,7 +247,16 @@ impl<'a> Runner<'a> {
     }
 
     fn run(&mut self, theta: &[f64], x0: &[f64], out: &mut [f64]) -> Result<(), Failure> {
-        let offsets = self.begin(theta, x0)?;
+        self.begin(theta, x0)?;
+        let reached = self.read(out);
+        self.trajectory.shown.clear();
+        self.trajectory.shown.extend_from_slice(out);
+        self.trajectory.filter_starts = self.through_paths(&self.columns(), out);
+        reached
+    }
+
+    /// Simulates and writes what the columns would show without filters and offsets, as far as it comes.
+    fn read(&mut self, out: &mut [f64]) -> Result<(), Failure> {
         let m = self.samples();
         let tracked = self.tracked();
         let mut outputs = None;
@@ -274,9 +269,7 @@ impl<'a> Runner<'a> {
                 self.trajectory.turns.push((x[point.angle], x[point.spin]));
             }
             let value = self.shown(t, column, &mut outputs)?;
-            let at = column * m + sample;
-            let offset = offsets[column].offset_after(self.elapsed(sample));
-            out[at] = if self.present[at] { (value + offset) * self.weights[column] } else { 0.0 };
+            out[column * m + sample] = value * self.weights[column];
         }
         Ok(())
     }
@@ -292,7 +285,7 @@ impl<'a> Runner<'a> {
     }
 
     fn run_late(&mut self, theta: &[f64], x0: &[f64], delay: f64) -> Result<Delayed, Failure> {
-        let offsets = self.begin(theta, x0)?;
+        self.begin(theta, x0)?;
         let m = self.samples();
         let times = &self.record.times[self.window.from..self.window.to];
         let mut readings: Vec<(f64, usize, bool)> =
@@ -303,30 +296,27 @@ impl<'a> Runner<'a> {
         let mut outputs = None;
         for (t, sample, late) in readings {
             self.reach(t)?;
-            for (column, path) in offsets.iter().enumerate() {
-                let value = self.shown(t, column, &mut outputs)?;
-                let offset = path.offset_after(self.elapsed(sample));
-                let at = column * m + sample;
-                if self.present[at] {
-                    let out = if late { &mut both.late } else { &mut both.now };
-                    out[at] = (value + offset) * self.weights[column];
-                }
+            let out = if late { &mut both.late } else { &mut both.now };
+            for column in 0..self.weights.len() {
+                out[column * m + sample] = self.shown(t, column, &mut outputs)? * self.weights[column];
             }
         }
+        let columns = self.columns();
+        self.through_paths(&columns, &mut both.now);
+        self.through_paths(&columns, &mut both.late);
         Ok(both)
     }
 
-    /// Time of a sample of the window from the start of the record, s.
-    fn elapsed(&self, sample: usize) -> f64 {
-        self.record.times[self.window.from + sample] - self.record.times[0]
-    }
-
-    /// Goes to the start with an initial state; the paths of the columns.
-    fn begin(&mut self, theta: &[f64], x0: &[f64]) -> Result<Vec<ColumnPath>, Failure> {
+    /// Goes to the start with an initial state.
+    fn begin(&mut self, theta: &[f64], x0: &[f64]) -> Result<(), Failure> {
         self.set(theta)?;
         let start = self.start;
-        self.stepper.set_state(start, x0).map_err(|e| Failure { t: start, reason: e.to_string() })?;
-        Ok(self.paths.iter().flat_map(|w| w.columns.iter().copied()).collect())
+        self.stepper.set_state(start, x0).map_err(|e| Failure { t: start, reason: e.to_string() })
+    }
+
+    /// The paths of the measured columns, for the values of the unknowns that were set last.
+    pub(super) fn columns(&self) -> Vec<ColumnPath> {
+        self.paths.iter().flat_map(|w| w.columns.iter().copied()).collect()
     }
 
     /// Simulates until a time.
@@ -368,25 +358,5 @@ impl<'a> Runner<'a> {
         self.simulate(theta, x0, out).ok()?;
         let after = self.stepper.statistics();
         Some(after.steps + after.rejected - before.steps - before.rejected)
-    }
-
-    /// Adds to `out` what changes when an offset or a drift of columns changes by one, if the unknown is one.
-    pub(super) fn offset_column(&self, unknown: usize, out: &mut [f64]) -> bool {
-        let Target::Column(path @ (Path::SensorBias | Path::SensorDrift), names) = &self.compiled.targets[unknown]
-        else {
-            return false;
-        };
-        let m = self.samples();
-        out.fill(0.0);
-        for (column, measured) in self.record.measured.iter().enumerate() {
-            if names.contains(&measured.name) {
-                for sample in 0..m {
-                    let at = column * m + sample;
-                    let by = if *path == Path::SensorDrift { self.elapsed(sample) } else { 1.0 };
-                    out[at] = if self.present[at] { by * self.weights[column] } else { 0.0 };
-                }
-            }
-        }
-        true
     }
 }

@@ -12,8 +12,7 @@ impl Runner<'_> {
         if !states_alone || !self.compiled.differentiable {
             return Ok(false);
         }
-        let there = |of: &(Vec<f64>, Vec<f64>)| of.0 == theta && of.1 == x0;
-        if !self.trajectory.of.as_ref().is_some_and(there) {
+        if !self.trajectory.is_of(theta, x0) {
             let mut simulated = vec![0.0; self.target.len()];
             self.simulate(theta, x0, &mut simulated)?;
         }
@@ -44,18 +43,18 @@ impl Runner<'_> {
             }
             let Quantity::State(state) = self.record.measured[reading.column].quantity else { continue };
             let at = reading.column * samples + reading.sample;
-            if self.present[at] {
-                let rotation = tracked
-                    .and_then(|(point, d)| Some((point, point.shift(state, *self.trajectory.turns.get(number)?, d))));
-                for (column, values) in out.iter_mut().enumerate() {
-                    let moved = &x[column * n..(column + 1) * n];
-                    let with_it = rotation.map_or(0.0, |(point, shift)| {
-                        shift.by_angle * moved[point.angle] + shift.by_spin * moved[point.spin]
-                    });
-                    values[at] = (moved[state] + with_it) * self.weights[reading.column];
-                }
+            let rotation = tracked
+                .and_then(|(point, d)| Some((point, point.shift(state, *self.trajectory.turns.get(number)?, d))));
+            for (column, values) in out.iter_mut().enumerate() {
+                let moved = &x[column * n..(column + 1) * n];
+                let with_it = rotation.map_or(0.0, |(point, shift)| {
+                    shift.by_angle * moved[point.angle] + shift.by_spin * moved[point.spin]
+                });
+                values[at] = (moved[state] + with_it) * self.weights[reading.column];
             }
         }
+        let columns = self.columns();
+        out.iter_mut().for_each(|values| self.through_filters(&columns, values));
     }
 
     /// Changes of the simulated columns by the initial state and, with `numbers`, by the unknowns of the equations, in order.

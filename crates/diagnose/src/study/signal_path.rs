@@ -24,7 +24,7 @@ pub(super) fn through_path(
     let mut kept: Vec<f64> = times[first..=last].to_vec();
     let mut values: Vec<f64> = signal.values[first..=last].to_vec();
     if lag > 0.0 {
-        values = lagged(&kept, &values, signal.hold, lag);
+        values = lagged(&kept, &values, signal.hold, lag, values[0]);
     }
     if delay != 0.0 {
         for t in &mut kept {
@@ -34,10 +34,10 @@ pub(super) fn through_path(
     Samples::new(kept, values, signal.hold)
 }
 
-/// The samples of a signal behind a first-order lag, see [`through_path`].
-pub(crate) fn lagged(times: &[f64], u: &[f64], hold: Hold, lag: f64) -> Vec<f64> {
+/// The samples of a signal behind a first-order lag that shows `start` at the first of them, see [`through_path`].
+pub(crate) fn lagged(times: &[f64], u: &[f64], hold: Hold, lag: f64, start: f64) -> Vec<f64> {
     let n = u.len();
-    let mut y = u[0];
+    let mut y = start;
     let mut out = Vec::with_capacity(n);
     for k in 0..n {
         if k + 1 == n {
@@ -79,7 +79,7 @@ mod tests {
     fn the_lag_of_a_ramp_is_the_ramp_later_by_tau() {
         let (times, ramp) = sampled(|t| 3.0 * t, Hold::Linear);
         for lag in [1e-5, 4e-4, 7e-3] {
-            let y = lagged(&times, &ramp.values, Hold::Linear, lag);
+            let y = lagged(&times, &ramp.values, Hold::Linear, lag, 0.0);
             for k in [1500, 1999] {
                 assert!((y[k] - 3.0 * (times[k] - lag)).abs() < 1e-12);
             }
@@ -90,7 +90,7 @@ mod tests {
     fn the_lag_keeps_the_impulse_of_a_held_pulse() {
         let (times, pulse) = sampled(|t| if (0.1..0.2).contains(&t) { 5.0 } else { 0.0 }, Hold::Previous);
         for lag in [1e-6, 3e-4, 1e-2] {
-            let y = lagged(&times, &pulse.values, Hold::Previous, lag);
+            let y = lagged(&times, &pulse.values, Hold::Previous, lag, 0.0);
             let impulse: f64 = y[..2000].iter().sum::<f64>() * 1e-3;
             assert!((impulse - 5.0 * pulse.values.iter().filter(|v| **v > 0.0).count() as f64 * 1e-3).abs() < 1e-12);
         }
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn the_history_that_is_left_out_has_no_influence() {
         let (times, signal) = sampled(|t| (7.0 * t).sin(), Hold::Previous);
-        let whole = lagged(&times, &signal.values, Hold::Previous, 5e-3);
+        let whole = lagged(&times, &signal.values, Hold::Previous, 5e-3, 0.0);
         let part = through_path(&times, &signal, (0, 2000), 1.5, (0.0, 5e-3), 40.0).unwrap();
         let from_rest = Samples::new(times, whole, Hold::Previous).unwrap();
         let system =

@@ -8,6 +8,10 @@ pub(super) struct Trajectory {
     pub(super) path: Path,
     /// By reading, the number of pieces until then.
     pub(super) marks: Vec<usize>,
+    /// What the columns would show without filters and offsets, over their noise, column by column.
+    pub(super) shown: Vec<f64>,
+    /// What the filters of the columns showed at first, over the noise; NaN without a filter.
+    pub(super) filter_starts: Vec<f64>,
     /// By reading, angle and spin of a body whose tracked point lies off its center of mass; empty without one.
     pub(super) turns: Vec<(f64, f64)>,
     /// The unknowns and the initial state that it belongs to.
@@ -21,6 +25,11 @@ impl Trajectory {
     /// Whether the linear maps along it have been made.
     pub(super) fn is_mapped(&self) -> bool {
         self.mapped
+    }
+
+    /// Whether it is that of these unknowns and this initial state.
+    pub(super) fn is_of(&self, theta: &[f64], x0: &[f64]) -> bool {
+        self.of.as_ref().is_some_and(|of| of.0 == theta && of.1 == x0)
     }
 
     /// Forgets what it belongs to.

@@ -24,7 +24,14 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
         | Cause::JointCoupling
         | Cause::ComOffset => 0.5,
         Cause::ActuatorLag | Cause::AnisotropicFriction => 0.75,
-        Cause::SensorDelay | Cause::CubicStiffness | Cause::SensorBias | Cause::DeadZone | Cause::Saturation => 1.0,
+        Cause::SensorDelay
+        | Cause::CubicStiffness
+        | Cause::SensorBias
+        | Cause::DeadZone
+        | Cause::Saturation
+        | Cause::Leak
+        | Cause::QuadraticLoss => 1.0,
+        Cause::SensorLag => 1.25,
         Cause::SensorDrift
         | Cause::PeriodicDisturbance
         | Cause::Backlash
@@ -37,7 +44,7 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
     };
     // All measured columns late by the same time is one chain of sensors, as a camera; several inputs is a coincidence.
     let channels = match &effect.change {
-        Change::Path { path: Path::SensorDelay, signals } if signals.len() == measured => 1,
+        Change::Path { path: Path::SensorDelay | Path::SensorLag, signals } if signals.len() == measured => 1,
         Change::Path { signals, .. } => signals.len(),
         _ => 1,
     };

@@ -1,0 +1,148 @@
+//! What lies between a true value and what a measured column shows of it.
+
+use super::compiled::Target;
+use super::runner::Runner;
+use super::signal_path::lagged;
+use crate::effect::Path;
+use bracketry_sim::Hold;
+
+/// The path of a measured column.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ColumnPath {
+    pub(super) delay: f64,
+    /// Time constant of a first-order filter.
+    pub(super) lag: f64,
+    pub(super) offset: f64,
+    /// Growth of the offset per second from the start of the record.
+    pub(super) drift: f64,
+}
+
+impl ColumnPath {
+    /// Adds what an effect with this value does.
+    pub(super) fn add(&mut self, path: Path, value: f64) {
+        match path {
+            Path::SensorBias => self.offset += value,
+            Path::SensorDrift => self.drift += value,
+            Path::SensorLag => self.lag += value,
+            Path::SensorDelay | Path::InputDelay | Path::ActuatorLag => self.delay += value,
+        }
+    }
+
+    /// What is added to the true value this long after the start of the record.
+    fn offset_after(&self, elapsed: f64) -> f64 {
+        self.offset + self.drift * elapsed
+    }
+}
+
+impl Runner<'_> {
+    /// Changes of the columns, over their noise, behind their filters: what a filter shows at first is what suits the measurements best, so
+    /// that the change is orthogonal to the transient that another start would add. Nothing where a measurement was lost.
+    pub(super) fn through_filters(&self, columns: &[ColumnPath], values: &mut [f64]) {
+        let m = self.samples();
+        for (column, path) in columns.iter().enumerate().filter(|(_, path)| path.lag > 0.0) {
+            self.filter(column, path.lag, &mut values[column * m..(column + 1) * m], |_| 0.0);
+        }
+        self.clear_lost(values);
+    }
+
+    /// What columns show behind filters and offsets, with what the filters show at first, over the noise.
+    pub(super) fn through_paths(&self, columns: &[ColumnPath], values: &mut [f64]) -> Vec<f64> {
+        let m = self.samples();
+        let mut starts = vec![f64::NAN; columns.len()];
+        for (column, path) in columns.iter().enumerate() {
+            let offset = |sample: usize| path.offset_after(self.elapsed(sample)) * self.weights[column];
+            let values = &mut values[column * m..(column + 1) * m];
+            if path.lag > 0.0 {
+                self.filter(column, path.lag, values, |k| self.target[column * m + k] - offset(k));
+                starts[column] = values[0];
+            }
+            values.iter_mut().enumerate().for_each(|(k, v)| *v += offset(k));
+        }
+        self.clear_lost(values);
+        starts
+    }
+
+    /// A filter of one column, which begins as it was told, or so that it is nearest to `target`.
+    fn filter(&self, column: usize, lag: f64, values: &mut [f64], target: impl Fn(usize) -> f64) {
+        let times = &self.record.times[self.window.from..self.window.to];
+        let start = values[0];
+        let behind = lagged(times, values, Hold::Linear, lag, start);
+        let change = match &self.filter_starts {
+            Some(starts) => starts[column] - start,
+            None => self.transient_in(column, lag, |k| target(k) - behind[k]),
+        };
+        for (k, (value, behind)) in values.iter_mut().zip(behind).enumerate() {
+            *value = behind + change * self.transient(lag, k);
+        }
+    }
+
+    /// How much of the start of a filter is left at a sample of the window.
+    fn transient(&self, lag: f64, sample: usize) -> f64 {
+        let times = &self.record.times[self.window.from..];
+        ((times[0] - times[sample]) / lag).exp()
+    }
+
+    /// The multiple of the transient of a filter that is nearest to what was measured of a column.
+    fn transient_in(&self, column: usize, lag: f64, values: impl Fn(usize) -> f64) -> f64 {
+        let m = self.samples();
+        let known = (0..m).filter(|k| self.present[column * m + k]);
+        let (along, size) = known.fold((0.0, 0.0), |(along, size), k| {
+            let e = self.transient(lag, k);
+            (along + e * values(k), size + e * e)
+        });
+        if size > 0.0 { along / size } else { 0.0 }
+    }
+
+    /// The number of filters whose starts are fitted in this window.
+    pub(super) fn fitted_starts(&self) -> usize {
+        if self.filter_starts.is_some() { 0 } else { self.columns().iter().filter(|path| path.lag > 0.0).count() }
+    }
+
+    fn clear_lost(&self, values: &mut [f64]) {
+        values.iter_mut().zip(&self.present).filter(|(_, present)| !**present).for_each(|(v, _)| *v = 0.0);
+    }
+
+    /// What the columns of the last trajectory show if some are filtered by `lag` more.
+    pub(super) fn filtered_more(&self, names: &[String], lag: f64) -> Vec<f64> {
+        let mut columns = self.columns();
+        for (path, measured) in columns.iter_mut().zip(&self.record.measured) {
+            if names.contains(&measured.name) {
+                path.lag += lag;
+            }
+        }
+        let mut values = self.trajectory.shown.clone();
+        self.through_paths(&columns, &mut values);
+        values
+    }
+
+    /// Adds to `out` what changes when an offset or a drift of columns changes by one, if the unknown is one.
+    pub(super) fn offset_column(&self, unknown: usize, out: &mut [f64]) -> bool {
+        let Target::Column(path @ (Path::SensorBias | Path::SensorDrift), names) = &self.compiled.targets[unknown]
+        else {
+            return false;
+        };
+        let m = self.samples();
+        out.fill(0.0);
+        for (column, measured) in self.record.measured.iter().enumerate() {
+            if names.contains(&measured.name) {
+                for sample in 0..m {
+                    let at = column * m + sample;
+                    let by = if *path == Path::SensorDrift { self.elapsed(sample) } else { 1.0 };
+                    out[at] = if self.present[at] { by * self.weights[column] } else { 0.0 };
+                }
+                let lag = self.columns().get(column).map_or(0.0, |path| path.lag);
+                if lag > 0.0 {
+                    let change = self.transient_in(column, lag, |k| out[column * m + k]);
+                    (0..m).for_each(|k| out[column * m + k] -= change * self.transient(lag, k));
+                }
+            }
+        }
+        self.clear_lost(out);
+        true
+    }
+
+    /// Time of a sample of the window from the start of the record, s.
+    fn elapsed(&self, sample: usize) -> f64 {
+        self.record.times[self.window.from + sample] - self.record.times[0]
+    }
+}
