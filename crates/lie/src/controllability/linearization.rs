@@ -14,7 +14,7 @@ use crate::reason::Reason;
 use crate::residues::times;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
-use bracketry_numerics::eigen::symmetric_eigen;
+use bracketry_numerics::eigen::{balance, symmetric_eigen};
 
 /// x' = A x + B u around an equilibrium, modulo the prime.
 pub(crate) struct Linearization {
@@ -184,11 +184,17 @@ pub(crate) fn rational_matrices(pool: &mut Pool, frame: &Frame) -> Option<(Ratio
     Some((matrix(values), matrix(b)))
 }
 
-/// A and B as numbers; `None` if a symbol has no value or a value is not finite.
+/// A and B as numbers, in units of the states in which rows and columns of A are alike in size: rounding is relative to the norm, which
+/// large entries beside small ones would dominate. `None` if a symbol has no value or a value is not finite.
 fn matrices(pool: &mut Pool, frame: &Frame) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = frame.fields.states.len();
     let roots = entries(pool, frame);
     let values = frame.numbers(pool, &roots)?;
     let (a, b) = values.split_at(n * n);
-    Some((DMatrix::from_row_slice(n, n, a), DMatrix::from_column_slice(n, b.len() / n, b)))
+    let (mut a, mut b) = (DMatrix::from_row_slice(n, n, a), DMatrix::from_column_slice(n, b.len() / n, b));
+    let units = balance(&mut a);
+    for (mut row, unit) in b.row_iter_mut().zip(&units) {
+        row /= *unit;
+    }
+    Some((a, b))
 }

@@ -14,7 +14,7 @@ use crate::linear::clusters::{clusters, decay};
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::spectrum::Spectrum;
 use crate::reason::{MinimumPhaseReason, Reason};
-use bracketry_numerics::eigen::eigenvalues;
+use bracketry_numerics::eigen::{balance, eigenvalues};
 
 /// Whether the zero dynamics are asymptotically stable at an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +93,8 @@ impl ZeroDynamics {
             };
         }
         let Some(values) = set.numbers(pool, &rows) else { return open(Reason::ZeroDynamicsNoNumbers) };
-        let matrix = DMatrix::from_row_slice(k, k, &values);
+        let mut matrix = DMatrix::from_row_slice(k, k, &values);
+        balance(&mut matrix);
         let (Some(eigenvalues), Some(found)) = (eigenvalues(&matrix), clusters(&matrix, matrix.norm())) else {
             return open(Reason::NoConvergence);
         };

@@ -158,3 +158,16 @@ fn hidden_zeros_do_not_decide() {
         }
     }
 }
+
+/// a' = −√3 a + b/s, b' = −s a − √3 b: eigenvalues −√3 ± i in any units of b.
+#[test]
+fn eigenvalues_do_not_depend_on_units() {
+    for digits in [0, 4, 8, 12] {
+        let equations = [format!("-sqrt(3)*a + 10^(-{digits})*b"), format!("-10^{digits}*a - sqrt(3)*b")];
+        let z = zero_dynamics(&["a", "b"], &[equations[0].as_str(), &equations[1]]);
+        assert_eq!(z.minimum_phase, Answer::Known(true), "{digits}: {z:?}");
+        for e in z.eigenvalues {
+            assert!((e.re + 3f64.sqrt()).hypot(e.im.abs() - 1.0) < 1e-9, "{digits}: {e:?}");
+        }
+    }
+}

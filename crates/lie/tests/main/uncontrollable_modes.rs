@@ -139,3 +139,17 @@ fn light_damping_decides() {
     }
     assert_eq!(report.stabilizable, Some(Answer::Known(true)));
 }
+
+/// a' = −√2 a + b/s, b' = −s a − √2 b: −√2 ± i in any units of b.
+#[test]
+fn units_hide_no_mode() {
+    for digits in [0, 4, 8, 12] {
+        let [up, down] = ["", "-"].map(|sign| format!("10^({sign}{digits})"));
+        let dynamics = [format!("-sqrt(2)*a + {down}*b"), format!("-{up}*a - sqrt(2)*b"), "u".to_owned()];
+        let report = report(&["a", "b", "c"].map(str::to_owned), &dynamics);
+        let found = modes(&report);
+        let is = |m: &UncontrollableMode, im: f64| (m.re + 2f64.sqrt()).hypot(m.im - im) < 1e-9 && m.multiplicity == 1;
+        assert!(found.len() == 2 && is(&found[0], 1.0) && is(&found[1], -1.0), "{digits}: {found:?}");
+        assert_eq!(report.stabilizable, Some(Answer::Known(true)), "{digits}");
+    }
+}
