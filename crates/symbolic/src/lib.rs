@@ -38,8 +38,8 @@ mod univariate;
 pub use closest_name::closest_name;
 pub use dashu_ratio::RBig as Rational;
 pub use exact::{
-    Bindings, Certificate, Echelon, Evaluation, FieldElement, Fp, Irregular, Rank, Residue, SECOND_OFFSET, Samples,
-    THIRD_OFFSET, Undecided, ZeroTest,
+    Bindings, Certificate, Echelon, Evaluation, FieldElement, Fp, Irregular, OrderedField, Rank, Real, Residue,
+    SECOND_OFFSET, Samples, THIRD_OFFSET, Undecided, ZeroTest,
 };
 pub use func::{Func, Func2};
 pub use function::Function;
@@ -53,4 +53,4 @@ pub use stop_flag::{Limit, Reached, StopFlag};
 pub use table::{Entry, ExprTable, TableError};
 pub use tape::{CompileError, Instruction, Op, Tape};
 pub use text_size::TextSize;
-pub use univariate::{RealRoot, UnivariatePolynomial};
+pub use univariate::{Coefficient, RealRoot, UnivariatePolynomial};

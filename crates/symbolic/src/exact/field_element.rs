@@ -1,5 +1,7 @@
 //! Fields with exact arithmetic.
 
+use std::cmp::Ordering;
+
 use dashu_ratio::RBig;
 
 use super::field::Residue;
@@ -19,6 +21,59 @@ pub trait FieldElement: Clone + PartialEq {
     /// True for 0.
     fn is_zero(&self) -> bool {
         *self == Self::ZERO
+    }
+}
+
+/// A field of real numbers.
+pub trait OrderedField: FieldElement {
+    /// A rational number.
+    fn of(q: RBig) -> Self;
+    /// The sum.
+    #[must_use]
+    fn plus(&self, other: &Self) -> Self;
+    /// The product.
+    #[must_use]
+    fn times(&self, other: &Self) -> Self;
+    /// The number with the other sign.
+    #[must_use]
+    fn negative(&self) -> Self;
+    /// The sign; `None` where it is not known.
+    fn sign(&self) -> Option<Ordering>;
+    /// A rational number nearby, the number itself where it is known to be rational; `None` where its value is not known.
+    fn approximation(&self) -> Option<RBig>;
+    /// Whether the sign is known to be positive.
+    fn is_positive(&self) -> bool {
+        self.sign() == Some(Ordering::Greater)
+    }
+    /// Whether the sign is known to be negative.
+    fn is_negative(&self) -> bool {
+        self.sign() == Some(Ordering::Less)
+    }
+}
+
+impl OrderedField for RBig {
+    fn of(q: RBig) -> Self {
+        q
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        self + other
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        self * other
+    }
+
+    fn negative(&self) -> Self {
+        -self.clone()
+    }
+
+    fn sign(&self) -> Option<Ordering> {
+        Some(self.cmp(&Self::ZERO))
+    }
+
+    fn approximation(&self) -> Option<RBig> {
+        Some(self.clone())
     }
 }
 

@@ -1,4 +1,4 @@
-//! Polynomials in one variable with rational coefficients, and their real roots.
+//! Polynomials in one variable, and the real roots of those with rational coefficients.
 
 mod integer;
 
@@ -7,6 +7,7 @@ use std::cmp::Ordering;
 use dashu_int::IBig;
 
 use crate::Rational;
+use crate::exact::{OrderedField, Real};
 use integer::{IntegerPolynomial, Isolated};
 
 /// A polynomial Σ c_k x^k: c_k at index k, the last not zero; no coefficients for zero.
@@ -17,7 +18,56 @@ use integer::{IntegerPolynomial, Isolated};
 /// assert_eq!(p.roots().iter().map(|r| r.value).collect::<Vec<_>>(), [-2f64.sqrt(), 2f64.sqrt()]);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct UnivariatePolynomial(Vec<Rational>);
+pub struct UnivariatePolynomial<C = Rational>(Vec<C>);
+
+/// Numbers that are coefficients of polynomials.
+pub trait Coefficient: OrderedField {
+    /// See [`UnivariatePolynomial::gcd`].
+    fn gcd(p: &UnivariatePolynomial<Self>, q: &UnivariatePolynomial<Self>) -> UnivariatePolynomial<Self>;
+    /// See [`UnivariatePolynomial::signed_remainders`].
+    fn signed_remainders(
+        f: &UnivariatePolynomial<Self>,
+        g: &UnivariatePolynomial<Self>,
+    ) -> Vec<UnivariatePolynomial<Self>>;
+}
+
+impl Coefficient for Rational {
+    fn gcd(p: &UnivariatePolynomial, q: &UnivariatePolynomial) -> UnivariatePolynomial {
+        UnivariatePolynomial(IntegerPolynomial::of(&p.0).gcd(&IntegerPolynomial::of(&q.0)).rational()).monic()
+    }
+
+    fn signed_remainders(f: &UnivariatePolynomial, g: &UnivariatePolynomial) -> Vec<UnivariatePolynomial> {
+        let chain = IntegerPolynomial::signed_remainders(IntegerPolynomial::of(&f.0), IntegerPolynomial::of(&g.0));
+        chain.iter().map(|p| UnivariatePolynomial(p.rational())).collect()
+    }
+}
+
+impl Coefficient for Real {
+    fn gcd(p: &UnivariatePolynomial<Real>, q: &UnivariatePolynomial<Real>) -> UnivariatePolynomial<Real> {
+        let (mut a, mut b) = (p.monic(), q.monic());
+        while !b.is_zero() {
+            // Leading coefficients 1 keep the numbers from growing.
+            let rest = a.remainder(&b).monic();
+            a = std::mem::replace(&mut b, rest);
+        }
+        a
+    }
+
+    fn signed_remainders(
+        f: &UnivariatePolynomial<Real>,
+        g: &UnivariatePolynomial<Real>,
+    ) -> Vec<UnivariatePolynomial<Real>> {
+        let mut chain = vec![f.clone(), g.clone()];
+        while let [.., a, b] = &chain[..]
+            && !b.is_zero()
+        {
+            let rest = a.remainder(b).scaled(&Real::from(-1));
+            chain.push(rest);
+        }
+        chain.pop();
+        chain
+    }
+}
 
 /// A real root: an interval with rational ends that holds no other; so narrow, where the root is irrational, that its ends agree to the
 /// accuracy of `f64`.
@@ -35,23 +85,18 @@ pub struct RealRoot {
 const ACCURACY: usize = 56;
 const MAX_HALVINGS: usize = 1200;
 
-impl UnivariatePolynomial {
+impl<C: Coefficient> UnivariatePolynomial<C> {
     /// From coefficients, that of degree k at index k.
-    pub fn new(mut coefficients: Vec<Rational>) -> Self {
-        while coefficients.last().is_some_and(|c| *c == Rational::ZERO) {
+    pub fn new(mut coefficients: Vec<C>) -> Self {
+        while coefficients.last().is_some_and(C::is_zero) {
             coefficients.pop();
         }
         UnivariatePolynomial(coefficients)
     }
 
     /// The coefficients, that of degree k at index k.
-    pub fn coefficients(&self) -> &[Rational] {
+    pub fn coefficients(&self) -> &[C] {
         &self.0
-    }
-
-    /// The coefficients of the multiple by a positive number that has integer coefficients without a common divisor.
-    pub fn integer_coefficients(&self) -> Vec<IBig> {
-        IntegerPolynomial::of(&self.0).coefficients().to_vec()
     }
 
     /// Whether all coefficients vanish.
@@ -65,44 +110,54 @@ impl UnivariatePolynomial {
     }
 
     /// The coefficient of the highest power; 0 for the zero polynomial.
-    pub fn leading(&self) -> Rational {
-        self.0.last().cloned().unwrap_or(Rational::ZERO)
+    pub fn leading(&self) -> C {
+        self.0.last().cloned().unwrap_or(C::ZERO)
     }
 
     /// The coefficient of the lowest power that occurs.
-    pub fn lowest(&self) -> Rational {
-        self.0.iter().find(|c| **c != Rational::ZERO).cloned().unwrap_or(Rational::ZERO)
+    pub fn lowest(&self) -> C {
+        self.0.iter().find(|c| !c.is_zero()).cloned().unwrap_or(C::ZERO)
     }
 
     /// The value at x.
-    pub fn at(&self, x: &Rational) -> Rational {
-        self.0.iter().rev().fold(Rational::ZERO, |sum, c| sum * x.clone() + c.clone())
+    pub fn at(&self, x: &C) -> C {
+        self.0.iter().rev().fold(C::ZERO, |sum, c| sum.times(x).plus(c))
     }
 
     /// dp/dx.
     #[must_use]
     pub fn derivative(&self) -> Self {
-        Self::new(self.0.iter().enumerate().skip(1).map(|(k, c)| c.clone() * Rational::from(k)).collect())
+        Self::new(self.0.iter().enumerate().skip(1).map(|(k, c)| c.times(&C::of(Rational::from(k)))).collect())
     }
 
     /// p − q.
     #[must_use]
     pub fn sub(&self, other: &Self) -> Self {
         let n = self.0.len().max(other.0.len());
-        let c = |p: &Self, k: usize| p.0.get(k).cloned().unwrap_or(Rational::ZERO);
-        Self::new((0..n).map(|k| c(self, k) - c(other, k)).collect())
+        let c = |p: &Self, k: usize| p.0.get(k).cloned().unwrap_or(C::ZERO);
+        let difference = |k: usize| {
+            let mut x = c(self, k);
+            x.subtract_product(&c(other, k), &C::ONE);
+            x
+        };
+        Self::new((0..n).map(difference).collect())
     }
 
     /// p + q.
     #[must_use]
     pub fn add(&self, other: &Self) -> Self {
-        self.sub(&other.scaled(&Rational::from(-1)))
+        self.sub(&other.scaled(&C::ONE.negative()))
     }
 
     /// c p.
     #[must_use]
-    pub fn scaled(&self, factor: &Rational) -> Self {
-        Self::new(self.0.iter().map(|c| c.clone() * factor.clone()).collect())
+    pub fn scaled(&self, factor: &C) -> Self {
+        Self::new(self.0.iter().map(|c| c.times(factor)).collect())
+    }
+
+    /// The multiple with leading coefficient 1; 0 for 0.
+    fn monic(&self) -> Self {
+        self.leading().inverse().map_or_else(|| self.clone(), |inverse| self.scaled(&inverse))
     }
 
     /// p q.
@@ -111,10 +166,11 @@ impl UnivariatePolynomial {
         if self.is_zero() || other.is_zero() {
             return Self::new(Vec::new());
         }
-        let mut out = vec![Rational::ZERO; self.0.len() + other.0.len() - 1];
+        let mut out = vec![C::ZERO; self.0.len() + other.0.len() - 1];
         for (i, a) in self.0.iter().enumerate() {
+            let opposite = a.negative();
             for (j, b) in other.0.iter().enumerate() {
-                out[i + j] += a.clone() * b.clone();
+                out[i + j].subtract_product(&opposite, b);
             }
         }
         Self::new(out)
@@ -124,16 +180,15 @@ impl UnivariatePolynomial {
     fn divided(&self, divisor: &Self) -> (Self, Self) {
         let mut rest = self.0.clone();
         let d = divisor.degree();
-        let leading = divisor.leading();
-        let mut quotient = vec![Rational::ZERO; (rest.len()).saturating_sub(d)];
-        while rest.len() > d {
-            let k = rest.len() - 1 - d;
-            let factor = rest[rest.len() - 1].clone() / leading.clone();
-            for (i, c) in divisor.0.iter().enumerate() {
-                rest[k + i] -= factor.clone() * c.clone();
+        let inverse = divisor.leading().inverse().unwrap_or(C::ZERO);
+        let mut quotient = vec![C::ZERO; (rest.len()).saturating_sub(d)];
+        while let Some(k) = rest.len().checked_sub(1 + d) {
+            let Some(mut factor) = rest.pop() else { break };
+            factor.scale(&inverse);
+            for (i, c) in divisor.0.iter().take(d).enumerate() {
+                rest[k + i].subtract_product(&factor, c);
             }
             quotient[k] = factor;
-            rest.pop();
         }
         (Self::new(quotient), Self::new(rest))
     }
@@ -153,14 +208,19 @@ impl UnivariatePolynomial {
     /// The greatest common divisor, with leading coefficient 1; 0 for two zero polynomials.
     #[must_use]
     pub fn gcd(&self, other: &Self) -> Self {
-        let common = Self(IntegerPolynomial::of(&self.0).gcd(&IntegerPolynomial::of(&other.0)).rational());
-        if common.is_zero() { common } else { common.scaled(&(Rational::ONE / common.leading())) }
+        C::gcd(self, other)
     }
 
     /// f, g, and the negative remainders of Euclid's algorithm up to positive factors; the last is a greatest common divisor (Sturm).
     pub fn signed_remainders(f: &Self, g: &Self) -> Vec<Self> {
-        let chain = IntegerPolynomial::signed_remainders(IntegerPolynomial::of(&f.0), IntegerPolynomial::of(&g.0));
-        chain.iter().map(|p| Self(p.rational())).collect()
+        C::signed_remainders(f, g)
+    }
+}
+
+impl UnivariatePolynomial {
+    /// The coefficients of the multiple by a positive number that has integer coefficients without a common divisor.
+    pub fn integer_coefficients(&self) -> Vec<IBig> {
+        IntegerPolynomial::of(&self.0).coefficients().to_vec()
     }
 
     /// p without multiple roots, with integer coefficients.
