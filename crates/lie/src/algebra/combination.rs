@@ -1,6 +1,6 @@
 //! Linear combinations of expressions.
 
-use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Pool, Rational, Real, Symbol};
 
 /// Σ c_i e_i.
 pub(crate) fn combination(pool: &mut Pool, list: &[Expr], coefficients: &[Expr]) -> Expr {
@@ -12,6 +12,12 @@ pub(crate) fn combination(pool: &mut Pool, list: &[Expr], coefficients: &[Expr])
 pub(crate) fn rational_combination(pool: &mut Pool, list: &[Expr], coefficients: &[Rational]) -> Expr {
     let coefficients: Vec<Expr> = coefficients.iter().map(|c| pool.rational(c.clone())).collect();
     combination(pool, list, &coefficients)
+}
+
+/// Σ c_i e_i; `None` where a coefficient is too long for an expression.
+pub(crate) fn real_combination(pool: &mut Pool, list: &[Expr], coefficients: &[Real]) -> Option<Expr> {
+    let coefficients: Vec<Expr> = coefficients.iter().map(|c| c.expression(pool)).collect::<Option<_>>()?;
+    Some(combination(pool, list, &coefficients))
 }
 
 /// The symbols as expressions.

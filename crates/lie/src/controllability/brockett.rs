@@ -12,8 +12,7 @@ use crate::controllability::local_degree::has_local_degree;
 use crate::controllability::open_map::open_by_second_order;
 use crate::controllability::sign::{NearOrigin, Sign};
 use crate::evidence::Evidence;
-use crate::linear::polynomial::MultivariatePolynomial;
-use crate::linear::taylor::is_analytic;
+use crate::linear::taylor::{Terms, is_analytic};
 use crate::reason::Reason;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
@@ -96,7 +95,7 @@ fn decide(
         return Ok(Some(false));
     }
     let covered = open_by_second_order(pool, frame, &image, &variables)
-        || covers(pool, frame, &image, &variables)
+        || covers(pool, frame, &image, &variables, evidence)
         || regular_nearby(pool, frame, &image, &variables, evidence)?;
     Ok(covered.then_some(true))
 }
@@ -143,15 +142,16 @@ fn misses_a_direction(
 }
 
 /// Whether the image of polynomial components, of n of the variables, is seen to cover a neighborhood of 0.
-fn covers(pool: &mut Pool, frame: &Frame, image: &[Expr], variables: &[Symbol]) -> bool {
+fn covers(pool: &mut Pool, frame: &Frame, image: &[Expr], variables: &[Symbol], evidence: &mut Evidence) -> bool {
     let mut map = Vec::new();
     for &e in image {
         let e = frame.constants_in(pool, e);
-        let Some(p) = MultivariatePolynomial::of(pool, e, variables) else { return false };
-        if p.order() == 0 {
-            return false;
-        }
-        map.push(p);
+        let Some(terms) = Terms::of(pool, e, variables) else { return false };
+        map.push(terms);
+    }
+    let Some(map) = Terms::with_values(pool, &map, evidence) else { return false };
+    if map.iter().any(|p| p.order() == 0) {
+        return false;
     }
     for set in subsets(variables.len(), map.len()).take(MAX_SETS) {
         let at_rest: Vec<usize> = (0..variables.len()).filter(|i| !set.contains(i)).collect();

@@ -1,19 +1,21 @@
 //! Feedback at an equilibrium with uncontrollable modes on the imaginary axis, or in the plane.
 
-use bracketry_symbolic::{Expr, Function, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, FieldElement, Function, Pool, Rational, Real, Symbol};
 
-use crate::algebra::combination::{rational_combination, symbols};
+use crate::algebra::combination::{real_combination, symbols};
 use crate::algebra::rational::readable::tidy;
 use crate::controllability::descent::Curve;
-use crate::controllability::linearization::{quotient_by_reachable, rational_matrices};
+use crate::controllability::linearization::exact_matrices;
 use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::candidates;
 use crate::controllability::region::solved;
 use crate::controllability::slow_equilibria::{SLOW_DEGREE, SlowEquilibria};
 use crate::evidence::Evidence;
 use crate::feedback::center_pair::CenterPair;
-use crate::linear::polynomial::MultivariatePolynomial;
-use crate::linear::spectrum::{Spectrum, squared_frequency};
+use crate::linear::matrix::quotient_by_reachable;
+use crate::linear::polynomial::{RealPolynomial, unit};
+use crate::linear::spectrum::Spectrum;
+use crate::linear::taylor::Terms;
 use crate::reason::StabilizableReason;
 use crate::undecided::Undecided;
 
@@ -24,28 +26,29 @@ const MAX_INPUTS: usize = 3;
 
 /// Feedback that stabilizes through the critical modes: one or several with the eigenvalue 0, or an oscillating pair ±iω, while the
 /// others decay or are controllable.
-pub(crate) fn by_critical_modes(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
+pub(crate) fn by_critical_modes(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Option<StabilizableReason> {
     let (n, m) = (frame.fields.states.len(), frame.fields.controls.len());
     if n > MAX_STATES || m == 0 || m > MAX_INPUTS {
         return None;
     }
-    let (a, b) = rational_matrices(pool, frame)?;
-    let rest = quotient_by_reachable(&a, &b).characteristic_polynomial();
-    let spectrum = Spectrum::of_polynomial(&rest);
+    let (a, b) = exact_matrices(pool, frame, evidence)?;
+    let spectrum = Spectrum::of_reals(&quotient_by_reachable(&a, &b))?;
+    let oscillates = spectrum.roots.iter().any(|r| r.re == 0.0 && r.im != 0.0);
     match (spectrum.on_axis, spectrum.right) {
-        (1, 0) => by_slow_mode(pool, frame),
-        (2, 0) if let Some(axis) = squared_frequency(&rest) => {
-            let field = expanded(pool, frame, 3)?;
-            let attracts = CenterPair::of(&field, m, &axis)?.attracts_by_feedback()?;
+        (1, 0) => by_slow_mode(pool, frame, evidence),
+        (2, 0) if oscillates => {
+            let field = expanded(pool, frame, 3, evidence)?;
+            let attracts = CenterPair::of(&field, m)?.attracts_by_feedback()?;
             attracts.then_some(StabilizableReason::OscillatingPair)
         }
         (on_axis, 0) if on_axis > 1 => {
-            let field = expanded(pool, frame, SLOW_DEGREE)?;
+            let field = expanded(pool, frame, SLOW_DEGREE, evidence)?;
             let found = SlowEquilibria::of(&field, m, SLOW_DEGREE)?;
-            (found.modes.len() == on_axis && found.attract(m)).then(|| {
-                let functions = found.modes.iter().map(|w| mode_function(pool, frame, w)).collect();
-                StabilizableReason::CriticalModes { functions }
-            })
+            if found.modes.len() != on_axis || !found.attract(m) {
+                return None;
+            }
+            let functions = found.modes.iter().map(|w| mode_function(pool, frame, w)).collect::<Option<_>>()?;
+            Some(StabilizableReason::CriticalModes { functions })
         }
         _ => None,
     }
@@ -58,24 +61,24 @@ pub(crate) fn by_critical_modes(pool: &mut Pool, frame: &Frame) -> Option<Stabil
 /// feedback u = U(s, φ(s)) + K (x − X(s, φ(s))) stabilizes, where K stabilizes the modes that inputs reach. Proof. For
 /// z = x − X, which is in the kernel of w, z' = H z + O(|β|) + O((|s| + |z|)|z|) with a Hurwitz H, and
 /// s' = β + O((|s| + |z|)|z|). With a norm of z for which e^(H t) contracts, |s| + μ |z| decays for small μ > 0, near 0.
-fn by_slow_mode(pool: &mut Pool, frame: &Frame) -> Option<StabilizableReason> {
+fn by_slow_mode(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Option<StabilizableReason> {
     let m = frame.fields.controls.len();
     let degree = DEGREE[usize::from(m > 1)];
-    let field = expanded(pool, frame, degree)?;
+    let field = expanded(pool, frame, degree, evidence)?;
     let found = SlowEquilibria::of(&field, m, degree)?;
     let ([mode], [rate]) = (&found.modes[..], &found.rates[..]) else { return None };
     let curves = [1, -1].map(|sign| Curve::of(rate, sign, degree, &Rational::ONE));
     let [Some(above), Some(below)] = curves else { return None };
-    let function = mode_function(pool, frame, mode);
+    let function = mode_function(pool, frame, mode)?;
     Some(StabilizableReason::CriticalMode { function, orders: [above.order, below.order] })
 }
 
-/// The mode w·x.
-fn mode_function(pool: &mut Pool, frame: &Frame, w: &[Rational]) -> Function {
+/// The mode w·x; `None` where its coefficients are too long to be shown.
+fn mode_function(pool: &mut Pool, frame: &Frame, w: &[Real]) -> Option<Function> {
     let states = symbols(pool, &frame.fields.states);
-    let mode = rational_combination(pool, &states, w);
+    let mode = real_combination(pool, &states, w)?;
     let mode = pool.simplify(mode);
-    Function::new(pool, mode)
+    Some(Function::new(pool, mode))
 }
 
 /// Continuous feedback in the plane with one input that moves the state at the point: with a function y that it does not influence,
@@ -93,7 +96,7 @@ pub(crate) fn in_the_plane(
         let above = pool.sub(function, at_point);
         let above = pool.substitute(above, &offsets);
         // A coordinate at the point: analytic there, with a gradient. x + log(y) at y = 0 is none.
-        let is_coordinate = polynomial(pool, frame, above, &variables, DEGREE[0])
+        let is_coordinate = polynomial(pool, frame, above, &variables, evidence)
             .is_some_and(|p| p.terms().any(|(m, _)| m.iter().sum::<u32>() == 1));
         if !is_coordinate {
             continue;
@@ -104,7 +107,7 @@ pub(crate) fn in_the_plane(
         let rate = pool.substitute(rate, &offsets);
         let rate = pool.substitute(rate, &map);
         let order: Vec<Symbol> = std::iter::once(y).chain(variables.iter().copied().filter(|s| *s != y)).collect();
-        let Some(rate) = polynomial(pool, frame, rate, &order, DEGREE[0]) else { continue };
+        let Some(rate) = polynomial(pool, frame, rate, &order, evidence) else { continue };
         let curve = |sign| Curve::of(&rate, sign, DEGREE[0], &Rational::ZERO);
         if curve(1).is_some() && curve(-1).is_some() {
             let function = Function::new(pool, function);
@@ -115,39 +118,42 @@ pub(crate) fn in_the_plane(
 }
 
 /// f + Σ u_i g_i in deviations from the point and of the inputs, up to a degree.
-fn expanded(pool: &mut Pool, frame: &Frame, degree: u32) -> Option<Vec<MultivariatePolynomial>> {
+fn expanded(pool: &mut Pool, frame: &Frame, degree: u32, evidence: &mut Evidence) -> Option<Vec<RealPolynomial>> {
     let (mut variables, offsets) = frame.deviations(pool);
-    let n = variables.len();
-    let inputs: Vec<Symbol> = (0..frame.fields.controls.len()).map(|k| pool.symbol(&format!("offset {k}"))).collect();
-    variables.extend(&inputs);
-    let mut field = Vec::new();
-    for i in 0..n {
-        let at = |pool: &mut Pool, e: Expr, k: u32| {
+    let (n, m) = (variables.len(), frame.fields.controls.len());
+    variables.extend((0..m).map(|k| pool.symbol(&format!("offset {k}"))));
+    let mut all = Vec::new();
+    for (k, list) in std::iter::once(&frame.fields.drift).chain(&frame.fields.controls).enumerate() {
+        let degree = if k == 0 { degree } else { degree - 1 };
+        for &e in list {
             let e = pool.substitute(e, &offsets);
-            polynomial(pool, frame, e, &variables, k)
-        };
-        let mut f = at(pool, frame.fields.drift[i], degree)?;
-        for (k, g) in frame.fields.controls.iter().enumerate() {
-            let input = MultivariatePolynomial::term(
-                Rational::ONE,
-                (0..variables.len()).map(|j| u32::from(j == n + k)).collect(),
-            );
-            let g = at(pool, g[i], degree - 1)?;
-            f = f.plus(&g.times_up_to(&input, degree), &Rational::ONE);
+            all.push(terms(pool, frame, e, &variables, degree)?);
         }
-        field.push(f);
+    }
+    let mut field = Terms::with_values(pool, &all, evidence)?;
+    let controls = field.split_off(n);
+    for (k, g) in controls.chunks(n).enumerate() {
+        let input = RealPolynomial::term(Real::ONE, unit(n + m, n + k));
+        for (f, g) in field.iter_mut().zip(g) {
+            *f = f.plus(&g.times_up_to(&input, degree), &Real::ONE);
+        }
     }
     Some(field)
 }
 
-/// A function of deviations from the point as a polynomial, or its Taylor polynomial of a degree.
+/// A function of deviations from the point as a polynomial, or its Taylor polynomial.
 fn polynomial(
     pool: &mut Pool,
     frame: &Frame,
     e: Expr,
     variables: &[Symbol],
-    degree: u32,
-) -> Option<MultivariatePolynomial> {
+    evidence: &mut Evidence,
+) -> Option<RealPolynomial> {
+    let terms = terms(pool, frame, e, variables, DEGREE[0])?;
+    Terms::with_values(pool, &[terms], evidence)?.pop()
+}
+
+fn terms(pool: &mut Pool, frame: &Frame, e: Expr, variables: &[Symbol], degree: u32) -> Option<Terms> {
     let e = frame.constants_in(pool, e);
-    MultivariatePolynomial::of_or_taylor(pool, e, variables, degree as usize)
+    Terms::of_or_taylor(pool, e, variables, degree as usize)
 }

@@ -1,8 +1,8 @@
 //! Curves along which a function of the plane is negative.
 
-use bracketry_symbolic::{Rational, UnivariatePolynomial};
+use bracketry_symbolic::{FieldElement, OrderedField, Rational, Real, UnivariatePolynomial};
 
-use crate::linear::polynomial::{MultivariatePolynomial, unit};
+use crate::linear::polynomial::{RealPolynomial, unit};
 
 /// v_k = κ t^α, or that added to whole powers of t below, and the other parameters 0: a function of (t, v) is negative there for
 /// small t > 0.
@@ -26,17 +26,17 @@ impl Curve {
     /// A curve on which `sign` b(sign·t, v) is negative, with a power of at least `least`, where the terms of b above `degree` are not
     /// known. On v_k = κ t^α the terms of b with the least i + α j decide; those α are tried at which several terms are equal (the
     /// slopes of Newton's polygon), and some between and beyond them.
-    pub(crate) fn of(b: &MultivariatePolynomial, sign: i64, degree: u32, least: &Rational) -> Option<Curve> {
-        let mut signed = MultivariatePolynomial::default();
+    pub(crate) fn of(b: &RealPolynomial, sign: i64, degree: u32, least: &Rational) -> Option<Curve> {
+        let mut signed = RealPolynomial::default();
         for (m, c) in b.terms() {
             let flips = sign < 0 && m[0] % 2 == 0;
-            signed.add_term(m.clone(), if flips { -c.clone() } else { c.clone() });
+            signed.add_term(m.clone(), if flips { -c } else { c.clone() });
         }
         Self::below(&signed, degree, least, MAX_SHIFTS)
     }
 
     /// The same for `sign` = 1.
-    fn below(b: &MultivariatePolynomial, degree: u32, least: &Rational, shifts: usize) -> Option<Curve> {
+    fn below(b: &RealPolynomial, degree: u32, least: &Rational, shifts: usize) -> Option<Curve> {
         let variables = b.terms().next()?.0.len();
         let mut cancel = Vec::new();
         for k in 1..variables {
@@ -51,13 +51,13 @@ impl Curve {
         cancel.truncate(MAX_ROOTS);
         if variables > 2 && shifts == MAX_SHIFTS {
             // Several parameters may have to change together.
-            let sizes = [1, -1].map(|sign| Rational::from(sign * TOGETHER));
+            let sizes = [1, -1].map(|sign| Real::from(sign * TOGETHER));
             cancel.extend((1..variables).flat_map(|k| sizes.clone().map(|x| (k, 1, x))));
         }
         // Where leading terms cancel, later ones decide.
         cancel.into_iter().filter(|_| shifts > 0).find_map(|(k, power, x)| {
             let mut values: Vec<_> =
-                (0..variables).map(|i| MultivariatePolynomial::term(Rational::ONE, unit(variables, i))).collect();
+                (0..variables).map(|i| RealPolynomial::term(Real::ONE, unit(variables, i))).collect();
             values[k].add_term((0..variables).map(|j| if j == 0 { power } else { 0 }).collect(), x);
             Self::below(&b.composed(&values, variables, degree), degree, least, shifts - 1)
         })
@@ -65,13 +65,13 @@ impl Curve {
 }
 
 /// c t^i v^j by i, j, and c.
-type Term = (u32, u32, Rational);
+type Term = (u32, u32, Real);
 
 /// What curves v = κ t^α show of a function of (t, v).
 enum Along {
     Falls(Curve),
-    /// The leading terms cancel for these whole α and rational κ.
-    Cancel(Vec<(u32, Rational)>),
+    /// The leading terms cancel for these whole α and κ.
+    Cancel(Vec<(u32, Real)>),
 }
 
 fn along(terms: &[Term], degree: u32, least: &Rational) -> Along {
@@ -84,20 +84,35 @@ fn along(terms: &[Term], degree: u32, least: &Rational) -> Along {
         let weight = |(i, j, _): &Term| Rational::from(*i) + &power * Rational::from(*j);
         let unknown = Rational::from(degree + 1) * (&power).min(&Rational::ONE);
         let Some(order) = terms.iter().map(weight).min().filter(|order| *order < unknown) else { continue };
-        let mut leading = vec![Rational::ZERO; highest + 1];
+        let mut leading = vec![Real::ZERO; highest + 1];
         for t in terms.iter().filter(|t| weight(t) == order) {
             leading[t.1 as usize] += &t.2;
         }
         let leading = UnivariatePolynomial::new(leading);
-        if between_roots(&leading).iter().any(|x| leading.at(x) < Rational::ZERO) {
+        let nearby: Option<Vec<Rational>> = leading.coefficients().iter().map(Real::approximation).collect();
+        let Some(nearby) = nearby.map(UnivariatePolynomial::new) else { continue };
+        if between_roots(&nearby).into_iter().any(|x| leading.at(&Real::from(x)).is_negative()) {
             return Along::Falls(Curve { power, order });
         }
         if let Some(k) = (1..=degree).find(|k| Rational::from(*k) == power) {
-            let roots = leading.roots().into_iter().filter_map(|r| r.exact).filter(|x| *x != Rational::ZERO);
-            cancel.extend(roots.map(|x| (k, x)));
+            cancel.extend(exact_roots(&leading, &nearby).into_iter().filter(|x| !x.is_zero()).map(|x| (k, x)));
         }
     }
     Along::Cancel(cancel)
+}
+
+/// The rational roots of a polynomial, or the root of one with a single root other than 0; `nearby` has rational coefficients.
+fn exact_roots(p: &UnivariatePolynomial<Real>, nearby: &UnivariatePolynomial) -> Vec<Real> {
+    if p.coefficients().iter().all(|c| c.rational().is_some()) {
+        return nearby.roots().into_iter().filter_map(|r| r.exact).map(Real::from).collect();
+    }
+    let without_zero = p.coefficients().iter().skip_while(|c| c.is_zero()).cloned().collect();
+    let p = UnivariatePolynomial::new(without_zero);
+    let simple = p.quotient(&p.gcd(&p.derivative()));
+    match simple.coefficients() {
+        [a, b] => vec![-a / b],
+        _ => Vec::new(),
+    }
 }
 
 /// The powers at which two terms are equal, those between, one beyond, and the least that is allowed.

@@ -1,6 +1,6 @@
 //! The linearization at an equilibrium.
 
-use bracketry_symbolic::{Expr, Pool, Rational};
+use bracketry_symbolic::{Expr, Pool, Real};
 use nalgebra::{DMatrix, DVector};
 
 use crate::algebra::field::{Field, VectorFields};
@@ -8,8 +8,8 @@ use crate::answer::Answer;
 use crate::controllability::local_accessibility::Frame;
 use crate::evidence::Evidence;
 use crate::linear::clusters::{Cluster, clusters, decay};
-use crate::linear::matrix::RationalMatrix;
-use crate::linear::spectrum::{Root, Spectrum};
+use crate::linear::matrix::{Matrix, RationalMatrix, quotient_by_reachable};
+use crate::linear::spectrum::{MAX_IRRATIONAL, Root, Spectrum};
 use crate::reason::Reason;
 use crate::residues::times;
 use crate::residues::{Echelon, Fp};
@@ -67,7 +67,7 @@ pub(crate) fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
 
 /// The part of the linearization that no input reaches: the states modulo the controllable subspace span{A^k b_i}.
 pub(crate) struct Uncontrollable {
-    /// Its eigenvalues; with exact multiplicities and half-planes where A and B are rational.
+    /// Its eigenvalues; with exact multiplicities and half-planes where A and B are known exactly.
     pub(crate) roots: Vec<Root>,
     /// Whether all eigenvalues have negative real part (true), one has positive real part (false), or else why neither is known.
     pub(crate) decays: Answer<bool>,
@@ -80,19 +80,25 @@ pub(crate) struct Uncontrollable {
 /// # Errors
 /// The [`Reason`] why there are no eigenvalues: an entry has no numerical value, the subspace is not clear of rounding,
 /// or the QR algorithm does not converge.
-pub(crate) fn uncontrollable(pool: &mut Pool, frame: &Frame, rank: usize) -> Result<Uncontrollable, Reason> {
+pub(crate) fn uncontrollable(
+    pool: &mut Pool,
+    frame: &Frame,
+    rank: usize,
+    evidence: &mut Evidence,
+) -> Result<Uncontrollable, Reason> {
     let n = frame.fields.states.len();
     if rank == n {
         return Ok(Uncontrollable { roots: Vec::new(), decays: Answer::Known(true), exact: None });
     }
-    if let Some((a, b)) = rational_matrices(pool, frame) {
-        let spectrum = Spectrum::of(&quotient_by_reachable(&a, &b));
+    if let Some((a, b)) = exact_matrices(pool, frame, evidence)
+        && let Some(spectrum) = Spectrum::of_reals(&quotient_by_reachable(&a, &b))
+    {
         let decays = match (spectrum.right, spectrum.on_axis) {
             (0, 0) => Answer::Known(true),
             (0, _) => Answer::Unknown(Reason::OnAxis),
             _ => Answer::Known(false),
         };
-        return Ok(Uncontrollable { roots: spectrum.roots, decays, exact: Some((a, b)) });
+        return Ok(Uncontrollable { roots: spectrum.roots, decays, exact: a.rational().zip(b.rational()) });
     }
     let (a, b) = matrices(pool, frame).ok_or(Reason::NoNumbers)?;
     let rest = complement(&a, &b, rank).ok_or(Reason::Rounding)?;
@@ -104,27 +110,13 @@ pub(crate) fn uncontrollable(pool: &mut Pool, frame: &Frame, rank: usize) -> Res
 }
 
 /// Whether all eigenvalues of A are seen to have negative real parts.
-pub(crate) fn is_hurwitz(pool: &mut Pool, frame: &Frame) -> bool {
-    if let Some((a, _)) = rational_matrices(pool, frame) {
-        let spectrum = Spectrum::of(&a);
+pub(crate) fn is_hurwitz(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> bool {
+    let exact = exact_matrices(pool, frame, evidence);
+    if let Some(spectrum) = exact.and_then(|(a, _)| Spectrum::of_reals(&a)) {
         return spectrum.right == 0 && spectrum.on_axis == 0;
     }
     let Some((a, _)) = matrices(pool, frame) else { return false };
     clusters(&a, a.norm()).is_some_and(|found| decay(&found) == Some(true))
-}
-
-/// The matrix of A on the rational vectors modulo span{A^k b_i}, in the coordinates w_i x of an annihilating basis; `b` has
-/// a row for each input.
-pub(crate) fn quotient_by_reachable(a: &RationalMatrix, b: &RationalMatrix) -> RationalMatrix {
-    let reached = bracketry_symbolic::Echelon::invariant(b.rows(), a.rows().len(), |v| a.times(v));
-    // W A = Q W, and W is the identity on the columns without pivot.
-    let columns: Vec<usize> = reached.free_columns().collect();
-    let transposed = a.transposed();
-    let rows = reached.null_space().into_iter().map(|w| {
-        let image = transposed.times(&w);
-        columns.iter().map(|&j| image[j].clone()).collect()
-    });
-    RationalMatrix::new(rows.collect(), columns.len())
 }
 
 /// Orthonormal columns that span the orthogonal complement of span{A^k b_i}, whose exact dimension
@@ -174,13 +166,20 @@ fn entries(pool: &mut Pool, frame: &Frame) -> Vec<Expr> {
     roots
 }
 
-/// A and the columns of B as rows; `None` if an entry is not seen to be rational.
-pub(crate) fn rational_matrices(pool: &mut Pool, frame: &Frame) -> Option<(RationalMatrix, RationalMatrix)> {
+/// A and the columns of B as rows; `None` if an entry has no exact value, and where not all entries of large matrices are rational.
+pub(crate) fn exact_matrices(
+    pool: &mut Pool,
+    frame: &Frame,
+    evidence: &mut Evidence,
+) -> Option<(Matrix<Real>, Matrix<Real>)> {
     let n = frame.fields.states.len();
     let roots = entries(pool, frame);
-    let mut values = frame.rationals(pool, &roots)?;
+    let mut values = frame.reals(pool, &roots, evidence)?;
+    if n > MAX_IRRATIONAL && values.iter().any(|x| x.rational().is_none()) {
+        return None;
+    }
     let b = values.split_off(n * n);
-    let matrix = |list: Vec<Rational>| RationalMatrix::new(list.chunks(n).map(<[Rational]>::to_vec).collect(), n);
+    let matrix = |list: Vec<Real>| Matrix::new(list.chunks(n).map(<[Real]>::to_vec).collect(), n);
     Some((matrix(values), matrix(b)))
 }
 

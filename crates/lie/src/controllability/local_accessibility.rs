@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::cmp::Ordering;
 
-use bracketry_symbolic::{Bindings, Evaluation, Expr, Pool, Rational, Symbol};
+use bracketry_symbolic::{Bindings, Evaluation, Expr, Pool, Rational, Real, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::closure::Closure;
@@ -12,6 +12,7 @@ use crate::algebra::field::{Field, VectorFields, bracket, is_plain_zero, subtrac
 use crate::answer::Answer;
 use crate::error::Error;
 use crate::evidence::Evidence;
+use crate::linear::taylor::reals;
 use crate::options::Limits;
 use crate::reason::{BracketLimit, Reason};
 use crate::residues::{Echelon, Fp, OFFSET};
@@ -172,6 +173,12 @@ impl Frame {
                 pool.constant_rational(value)
             })
             .collect()
+    }
+
+    /// Exact values at the point that belong together; `None` if one is not known.
+    pub(crate) fn reals(&self, pool: &mut Pool, roots: &[Expr], evidence: &mut Evidence) -> Option<Vec<Real>> {
+        let values: Vec<Expr> = roots.iter().map(|&e| self.constants_in(pool, e)).collect();
+        reals(pool, &values, evidence)
     }
 
     /// `e` at the point.

@@ -1,8 +1,9 @@
 //! The local degree of polynomial maps.
 
-use bracketry_symbolic::{Rational, UnivariatePolynomial};
+use bracketry_symbolic::{FieldElement, Real, UnivariatePolynomial};
 
-use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::polynomial::RealPolynomial;
+use crate::linear::spectrum::variations;
 
 /// Whether the map (as many polynomials as `variables`, all zero at the origin; the other variables are at rest there) is
 /// seen to have an isolated zero at the origin with local degree different from zero. Its image then covers a
@@ -11,12 +12,12 @@ use crate::linear::polynomial::MultivariatePolynomial;
 /// By homotopy a component `c v^k + …` of which all terms hold v^k counts as c v^k, and one `c v + p` without v in p
 /// is solved for v: up to its sign, the degree is k modulo 2 times that of the others where the component vanishes. What
 /// remains has degree 1 without variables, and of two variables the winding number of the forms of least degree.
-pub(crate) fn has_local_degree(mut map: Vec<MultivariatePolynomial>, mut variables: Vec<usize>) -> bool {
+pub(crate) fn has_local_degree(mut map: Vec<RealPolynomial>, mut variables: Vec<usize>) -> bool {
     loop {
         if map.is_empty() {
             return true;
         }
-        if map.iter().any(MultivariatePolynomial::is_zero) {
+        if map.iter().any(RealPolynomial::is_zero) {
             return false;
         }
         let pivot = (0..map.len()).find_map(|i| Some((i, pivot(&map[i], &variables)?)));
@@ -36,12 +37,12 @@ pub(crate) fn has_local_degree(mut map: Vec<MultivariatePolynomial>, mut variabl
 
 /// A variable and its value where the component vanishes; no value if the component is an even power, so that the
 /// degree is zero.
-fn pivot(p: &MultivariatePolynomial, variables: &[usize]) -> Option<(usize, Option<MultivariatePolynomial>)> {
+fn pivot(p: &RealPolynomial, variables: &[usize]) -> Option<(usize, Option<RealPolynomial>)> {
     for &v in variables {
         let least = p.terms().map(|(m, _)| m[v]).min().unwrap_or(0);
         let alone = |m: &[u32], k: u32| m.iter().enumerate().all(|(i, &e)| e == if i == v { k } else { 0 });
         if least > 0 && p.terms().any(|(m, _)| alone(m, least)) {
-            return Some((v, (least % 2 == 1).then(MultivariatePolynomial::default)));
+            return Some((v, (least % 2 == 1).then(RealPolynomial::default)));
         }
     }
     for &v in variables {
@@ -49,9 +50,9 @@ fn pivot(p: &MultivariatePolynomial, variables: &[usize]) -> Option<(usize, Opti
         if let (Some((m, c)), None) = (with.next(), with.next())
             && m.iter().sum::<u32>() == 1
         {
-            let linear = MultivariatePolynomial::term(c.clone(), m.clone());
-            let rest = p.plus(&linear, &Rational::from(-1));
-            let value = MultivariatePolynomial::default().plus(&rest, &(Rational::from(-1) / c));
+            let linear = RealPolynomial::term(c.clone(), m.clone());
+            let rest = p.plus(&linear, &Real::from(-1));
+            let value = RealPolynomial::default().plus(&rest, &(Real::from(-1) / c));
             return Some((v, Some(value)));
         }
     }
@@ -60,7 +61,7 @@ fn pivot(p: &MultivariatePolynomial, variables: &[usize]) -> Option<(usize, Opti
 
 /// Whether two forms in two variables have no common real zero but the origin and their vector turns around on a circle:
 /// it does by the Cauchy index of Q/P on the projective line, from Sturm's sequence.
-fn winds([p, q]: [&MultivariatePolynomial; 2], [x, y]: [usize; 2]) -> bool {
+fn winds([p, q]: [&RealPolynomial; 2], [x, y]: [usize; 2]) -> bool {
     // On opposite points the turns cancel.
     if (p.order() + q.order()) % 2 == 1 {
         return false;
@@ -73,31 +74,17 @@ fn winds([p, q]: [&MultivariatePolynomial; 2], [x, y]: [usize; 2]) -> bool {
     else {
         return false;
     };
-    let mut chain = vec![p, q];
-    while let [.., f, g] = &chain[..]
-        && !g.is_zero()
-    {
-        let rest = f.remainder(g).scaled(&Rational::from(-1));
-        chain.push(rest);
-    }
-    chain.pop();
-    if chain.last().is_none_or(|common| !common.roots().is_empty()) {
-        return false;
-    }
-    let variations = |at_minus_infinity: bool| {
-        let positive: Vec<bool> = chain
-            .iter()
-            .map(|f| (f.leading() > Rational::ZERO) != (at_minus_infinity && !f.degree().is_multiple_of(2)))
-            .collect();
-        positive.windows(2).filter(|w| w[0] != w[1]).count()
-    };
-    variations(true) != variations(false)
+    let chain = UnivariatePolynomial::signed_remainders(&p, &q);
+    let turns = |chain: &[UnivariatePolynomial<Real>]| Some(variations(chain, true)? != variations(chain, false)?);
+    // Common zeros are the real roots of the last one (Sturm).
+    let common = chain.last().map(|common| UnivariatePolynomial::signed_remainders(common, &common.derivative()));
+    common.and_then(|common| turns(&common)) == Some(false) && turns(&chain) == Some(true)
 }
 
 /// A form at x = t, y = 1 + s t.
-fn along(form: &MultivariatePolynomial, [x, y]: [usize; 2], s: i64) -> UnivariatePolynomial {
-    let line = UnivariatePolynomial::new(vec![Rational::ONE, Rational::from(s)]);
-    let t = UnivariatePolynomial::new(vec![Rational::ZERO, Rational::ONE]);
+fn along(form: &RealPolynomial, [x, y]: [usize; 2], s: i64) -> UnivariatePolynomial<Real> {
+    let line = UnivariatePolynomial::new(vec![Real::ONE, Real::from(s)]);
+    let t = UnivariatePolynomial::new(vec![Real::ZERO, Real::ONE]);
     let mut sum = UnivariatePolynomial::new(Vec::new());
     for (m, c) in form.terms() {
         let mut part = UnivariatePolynomial::new(vec![c.clone()]);
@@ -117,9 +104,9 @@ fn along(form: &MultivariatePolynomial, [x, y]: [usize; 2], s: i64) -> Univariat
 mod tests {
     use super::*;
 
-    fn polynomial(terms: &[(i64, &[u32])]) -> MultivariatePolynomial {
-        terms.iter().fold(MultivariatePolynomial::default(), |p, (c, m)| {
-            p.plus(&MultivariatePolynomial::term(Rational::ONE, m.to_vec()), &Rational::from(*c))
+    fn polynomial(terms: &[(i64, &[u32])]) -> RealPolynomial {
+        terms.iter().fold(RealPolynomial::default(), |p, (c, m)| {
+            p.plus(&RealPolynomial::term(Real::ONE, m.to_vec()), &Real::from(*c))
         })
     }
 
@@ -127,16 +114,16 @@ mod tests {
     #[test]
     fn powers_of_a_complex_number_wind() {
         let mut re = polynomial(&[(1, &[0, 0])]);
-        let mut im = MultivariatePolynomial::default();
+        let mut im = RealPolynomial::default();
         let (x, y) = (polynomial(&[(1, &[1, 0])]), polynomial(&[(1, &[0, 1])]));
         for k in 1..=6 {
-            let next = re.times(&x).unwrap().plus(&im.times(&y).unwrap(), &Rational::from(-1));
-            im = re.times(&y).unwrap().plus(&im.times(&x).unwrap(), &Rational::ONE);
+            let next = re.times(&x).unwrap().plus(&im.times(&y).unwrap(), &Real::from(-1));
+            im = re.times(&y).unwrap().plus(&im.times(&x).unwrap(), &Real::ONE);
             re = next;
             assert!(has_local_degree(vec![re.clone(), im.clone()], vec![0, 1]), "{k}");
             assert!(has_local_degree(vec![im.clone(), re.clone()], vec![0, 1]), "{k}");
             // z^k + |z|^(2k+2) has the same degree.
-            let disturbed = re.plus(&polynomial(&[(5, &[2 * k + 2, 0]), (1, &[0, 2 * k + 2])]), &Rational::ONE);
+            let disturbed = re.plus(&polynomial(&[(5, &[2 * k + 2, 0]), (1, &[0, 2 * k + 2])]), &Real::ONE);
             assert!(has_local_degree(vec![disturbed, im.clone()], vec![0, 1]), "{k}");
         }
         let square = polynomial(&[(1, &[2, 0]), (1, &[0, 2])]);

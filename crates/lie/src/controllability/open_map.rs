@@ -40,5 +40,5 @@ fn seen(pool: &mut Pool, frame: &Frame, map: &[Expr], variables: &[Symbol]) -> O
     let images: Vec<_> = kernel.iter().map(|v| hessian.times(v)).collect();
     let form = RationalMatrix::new(kernel, variables.len());
     let rows = images.iter().map(|image| form.times(image)).collect();
-    Some(signs(&RationalMatrix::new(rows, images.len())) == (true, true))
+    Some(signs(&RationalMatrix::new(rows, images.len())) == Some((true, true)))
 }

@@ -38,7 +38,7 @@ pub(crate) fn with_other_inputs(
         }
         let frame = Frame::new(pool, &at.frame.fields, at.frame.point(), &moves).ok()?;
         let rank = Linearization::at(pool, &frame, evidence).ok()?.controllable().rank();
-        if uncontrollable(pool, &frame, rank).ok()?.decays == Answer::Known(true) {
+        if uncontrollable(pool, &frame, rank, evidence).ok()?.decays == Answer::Known(true) {
             let changed = (0..moves.len()).filter(|&i| !pool.is_zero(moves[i])).collect::<Vec<_>>();
             let inputs = changed.into_iter().map(|i| {
                 let value = frame.constants_in(pool, values[i]);

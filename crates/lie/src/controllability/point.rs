@@ -145,7 +145,7 @@ pub(crate) fn point_report(
     let sides = sides.unwrap_or_else(|| vec![None; names.len()]);
     let stlc = unbounded(pool, &frame, &set, &point.inputs, &sides, stlc, evidence)?;
     let rank = linearization.as_ref().map(|l| l.controllable().rank());
-    let unreached = rank.map(|rank| uncontrollable(pool, &frame, rank));
+    let unreached = rank.map(|rank| uncontrollable(pool, &frame, rank, evidence));
     let decays = unreached.as_ref().map(|u| match u {
         Ok(found) => found.decays.clone(),
         Err(why) => Answer::Unknown(why.clone()),

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use crate::controllability::local_accessibility::Frame;
 use crate::linear::form::signs;
 use crate::linear::matrix::RationalMatrix;
-use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::taylor::Terms;
 use bracketry_numerics::eigen::symmetric_eigen;
 
 /// The sign of a function in a neighborhood of a point, or everywhere.
@@ -106,12 +106,12 @@ impl NearOrigin<'_> {
             return Sign::Unknown;
         }
         let e = self.frame.constants_in(pool, e);
-        let exact = MultivariatePolynomial::of(pool, e, &self.variables).map(|p| (p, None));
-        let expanded = |pool: &mut Pool| MultivariatePolynomial::taylor(pool, e, &self.variables, DEGREE as usize);
-        let Some((p, remainder)) = exact.or_else(|| expanded(pool).map(|p| (p, Some(DEGREE)))) else {
-            return Sign::Unknown;
+        let (terms, remainder) = match Terms::of(pool, e, &self.variables) {
+            Some(terms) => (Some(terms), None),
+            None => (Terms::taylor(pool, e, &self.variables, DEGREE as usize), Some(DEGREE)),
         };
-        let opposite = MultivariatePolynomial::default().plus(&p, &Rational::from(-1));
+        let Some(p) = terms.and_then(|terms| terms.alone(pool)) else { return Sign::Unknown };
+        let opposite = p.negative();
         match (p.is_nonnegative_near_origin(remainder), opposite.is_nonnegative_near_origin(remainder)) {
             (true, false) => Sign::NonNegative,
             (false, true) => Sign::NonPositive,
@@ -350,10 +350,10 @@ fn form_in_factors(pool: &mut Pool, e: Expr) -> Sign {
     }
     let columns = rows.len();
     match signs(&RationalMatrix::new(rows, columns)) {
-        (false, false) => Sign::Zero,
-        (true, false) => Sign::NonNegative,
-        (false, true) => Sign::NonPositive,
-        (true, true) => Sign::Unknown,
+        Some((false, false)) => Sign::Zero,
+        Some((true, false)) => Sign::NonNegative,
+        Some((false, true)) => Sign::NonPositive,
+        Some((true, true)) | None => Sign::Unknown,
     }
 }
 

@@ -1,10 +1,10 @@
 //! States that inputs hold at rest but for critical modes.
 
-use bracketry_symbolic::{Echelon, Rational};
+use bracketry_symbolic::{Echelon, FieldElement, Real};
 
 use crate::feedback::lyapunov::{PolynomialField, Shown};
-use crate::linear::matrix::RationalMatrix;
-use crate::linear::polynomial::{MultivariatePolynomial, unit};
+use crate::linear::matrix::Matrix;
+use crate::linear::polynomial::{RealPolynomial, unit};
 use crate::linear::spectrum::Spectrum;
 
 /// Degree up to which the rates of several modes are looked at.
@@ -14,39 +14,39 @@ pub(crate) const SLOW_DEGREE: u32 = 3;
 /// s_j = w_j·x that the linearization of x' = F(x, u) at the origin leaves at rest, and free parameters v, one for each input.
 pub(crate) struct SlowEquilibria {
     /// w_j, with w_j·e_i = 1 for i = j and 0 else.
-    pub(crate) modes: Vec<Vec<Rational>>,
+    pub(crate) modes: Vec<Vec<Real>>,
     /// β_j up to a degree; the variables are all s and v.
-    pub(crate) rates: Vec<MultivariatePolynomial>,
+    pub(crate) rates: Vec<RealPolynomial>,
 }
 
 impl SlowEquilibria {
     /// Of F in `states` states and the inputs, known up to a degree, with as many modes as combinations of the components have no
     /// linear terms; `None` without any, and where such a mode is no coordinate beside those that inputs move. X and U follow degree
     /// by degree from n of the equations [A B] (X, U) = Σ β_j e_j − …, w_j·X = s_j (implicit function theorem).
-    pub(crate) fn of(field: &[MultivariatePolynomial], inputs: usize, degree: u32) -> Option<Self> {
+    pub(crate) fn of(field: &[RealPolynomial], inputs: usize, degree: u32) -> Option<Self> {
         let n = field.len();
-        let linear: Vec<Vec<Rational>> =
+        let linear: Vec<Vec<Real>> =
             field.iter().map(|f| (0..n + inputs).map(|k| f.coefficient(&unit(n + inputs, k))).collect()).collect();
-        let linear = RationalMatrix::new(linear, n + inputs);
+        let linear = Matrix::new(linear, n + inputs);
         let Echelon { rows: modes, pivots: left_out, .. } = Echelon::new(&linear.transposed().null_space(), n);
         if modes.is_empty() {
             return None;
         }
         // The equations that the others imply are replaced by w_j·X = s_j.
-        let mut rows: Vec<Vec<Rational>> = linear.rows().to_vec();
+        let mut rows: Vec<Vec<Real>> = linear.rows().to_vec();
         for (mode, &i) in modes.iter().zip(&left_out) {
-            rows[i] = mode.iter().cloned().chain(vec![Rational::ZERO; inputs]).collect();
+            rows[i] = mode.iter().cloned().chain(vec![Real::ZERO; inputs]).collect();
         }
-        let equations = RationalMatrix::new(rows, n + inputs);
+        let equations = Matrix::new(rows, n + inputs);
         let pivots = Echelon::new(equations.rows(), n + inputs).pivots;
         if pivots.len() < n {
             return None;
         }
         let square = equations.rows().iter().map(|r| pivots.iter().map(|&p| r[p].clone()).collect()).collect();
-        let inverse = RationalMatrix::new(square, n).inverse()?;
+        let inverse = Matrix::new(square, n).inverse()?;
         let k = modes.len();
         let variables = k + inputs;
-        let mut motion = vec![MultivariatePolynomial::default(); n + inputs];
+        let mut motion = vec![RealPolynomial::default(); n + inputs];
         for (&p, row) in pivots.iter().zip(inverse.rows()) {
             for (j, &i) in left_out.iter().enumerate() {
                 motion[p].add_term(unit(variables, j), row[i].clone());
@@ -57,9 +57,9 @@ impl SlowEquilibria {
                 x.add_term(unit(variables, k + l), c);
             }
         }
-        let mut rates = vec![MultivariatePolynomial::default(); k];
+        let mut rates = vec![RealPolynomial::default(); k];
         for order in 2..=degree {
-            let rest: Vec<MultivariatePolynomial> =
+            let rest: Vec<RealPolynomial> =
                 field.iter().map(|f| f.composed(&motion, variables, order).of_degree(order)).collect();
             for (rate, mode) in rates.iter_mut().zip(&modes) {
                 for (c, r) in mode.iter().zip(&rest) {
@@ -90,7 +90,7 @@ impl SlowEquilibria {
     }
 
     /// B_i of the terms Σ v_i B_i s, by rows; `None` where products of the v_i are among the terms of degree 2.
-    fn multiplied(&self, inputs: usize) -> Option<Vec<Vec<Vec<Rational>>>> {
+    fn multiplied(&self, inputs: usize) -> Option<Vec<Vec<Vec<Real>>>> {
         let k = self.modes.len();
         if self
             .rates
@@ -99,7 +99,7 @@ impl SlowEquilibria {
         {
             return None;
         }
-        let entry = |r: &MultivariatePolynomial, i: usize, l: usize| r.coefficient(&product(k + inputs, k + i, l));
+        let entry = |r: &RealPolynomial, i: usize, l: usize| r.coefficient(&product(k + inputs, k + i, l));
         let row = |r, i| (0..k).map(|l| entry(r, i, l)).collect();
         Some((0..inputs).map(|i| self.rates.iter().map(|r| row(r, i)).collect()).collect())
     }
@@ -109,47 +109,45 @@ impl SlowEquilibria {
         let Some(matrices) = self.multiplied(inputs) else { return false };
         directions(inputs, &[1]).iter().any(|c| {
             let entry = |j: usize, l: usize| {
-                let terms = matrices.iter().zip(c).map(|(b, c)| &b[j][l] * Rational::from(*c));
-                terms.fold(Rational::ZERO, |sum, x| sum + x)
+                let terms = matrices.iter().zip(c).map(|(b, c)| &b[j][l] * Real::from(*c));
+                terms.fold(Real::ZERO, |sum, x| sum + x)
             };
             let rows = (0..k).map(|j| (0..k).map(|l| entry(j, l)).collect()).collect();
-            let spectrum = Spectrum::of(&RationalMatrix::new(rows, k));
-            (spectrum.right, spectrum.on_axis) == (0, 0)
+            Spectrum::of_reals(&Matrix::new(rows, k)).is_some_and(|s| (s.right, s.on_axis) == (0, 0))
         })
     }
 
     fn by_cubic_terms(&self, inputs: usize) -> bool {
         let k = self.modes.len();
         let Some(linear) = self.canceling(inputs) else { return false };
-        let mut square = MultivariatePolynomial::default();
+        let mut square = RealPolynomial::default();
         for j in 0..k {
-            square.add_term(product(k, j, j), Rational::ONE);
+            square.add_term(product(k, j, j), Real::ONE);
         }
         let mut all = directions(inputs, &[1, 10]);
         all.push(vec![0; inputs]);
         all.iter().any(|c| {
-            let of_modes = (0..k).map(|j| MultivariatePolynomial::term(Rational::ONE, unit(k, j)));
-            let of_inputs = c.iter().zip(&linear).map(|(c, l)| l.plus(&square, &Rational::from(*c)));
-            let values: Vec<MultivariatePolynomial> = of_modes.chain(of_inputs).collect();
-            let field: Vec<MultivariatePolynomial> =
-                self.rates.iter().map(|r| r.composed(&values, k, SLOW_DEGREE)).collect();
+            let of_modes = (0..k).map(|j| RealPolynomial::term(Real::ONE, unit(k, j)));
+            let of_inputs = c.iter().zip(&linear).map(|(c, l)| l.plus(&square, &Real::from(*c)));
+            let values: Vec<RealPolynomial> = of_modes.chain(of_inputs).collect();
+            let field: Vec<RealPolynomial> = self.rates.iter().map(|r| r.composed(&values, k, SLOW_DEGREE)).collect();
             field.iter().all(|f| f.of_degree(2).is_zero())
                 && matches!(PolynomialField(&field).shown(), Some(Shown::Attracts(_)))
         })
     }
 
     /// v = L s without terms of degree 2 in β(s, L s), one polynomial for each v; 0 where these are products of the v_i.
-    fn canceling(&self, inputs: usize) -> Option<Vec<MultivariatePolynomial>> {
+    fn canceling(&self, inputs: usize) -> Option<Vec<RealPolynomial>> {
         let k = self.modes.len();
         let Some(matrices) = self.multiplied(inputs) else {
-            return Some(vec![MultivariatePolynomial::default(); inputs]);
+            return Some(vec![RealPolynomial::default(); inputs]);
         };
         // One equation for each rate and each product of two modes, in the entries of L and then the terms without v.
         let unknowns = inputs * k;
         let mut equations = Vec::new();
         for (j, rate) in self.rates.iter().enumerate() {
             for (a, b) in (0..k).flat_map(|a| (a..k).map(move |b| (a, b))) {
-                let mut row = vec![Rational::ZERO; unknowns + 1];
+                let mut row = vec![Real::ZERO; unknowns + 1];
                 for (i, matrix) in matrices.iter().enumerate() {
                     row[i * k + a] += &matrix[j][b];
                     if a != b {
@@ -164,7 +162,7 @@ impl SlowEquilibria {
         if solved.pivots.contains(&unknowns) {
             return None;
         }
-        let mut linear = vec![MultivariatePolynomial::default(); inputs];
+        let mut linear = vec![RealPolynomial::default(); inputs];
         for (row, &p) in solved.rows.iter().zip(&solved.pivots) {
             linear[p / k].add_term(unit(k, p % k), -row[unknowns].clone());
         }

@@ -8,7 +8,7 @@ use crate::answer::Answer;
 use crate::controllability::at_equilibrium::AtEquilibrium;
 use crate::controllability::critical_mode::{by_critical_modes, in_the_plane};
 use crate::controllability::growing_form::growing_form;
-use crate::controllability::linearization::{is_hurwitz, is_linear, rational_matrices};
+use crate::controllability::linearization::{exact_matrices, is_hurwitz, is_linear};
 use crate::controllability::local_accessibility::Frame;
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
@@ -41,7 +41,7 @@ pub(crate) fn stabilizable(
     let all = at.rank == n;
     let by_linearization = if all { StabilizableReason::Controllable } else { StabilizableReason::ModesDecay };
     let restricted = at.sides.iter().any(Option::is_some);
-    if restricted && is_hurwitz(pool, at.frame) {
+    if restricted && is_hurwitz(pool, at.frame, evidence) {
         return known(true, StabilizableReason::Stable);
     }
     match &at.decays {
@@ -85,7 +85,7 @@ pub(crate) fn stabilizable(
                 Err(why) => return (Answer::Unknown(why.clone().into()), StabilizableReason::Open(why.into())),
             }
         }
-        if let Some(why) = by_critical_modes(pool, at.frame) {
+        if let Some(why) = by_critical_modes(pool, at.frame, evidence) {
             return known(true, why);
         }
     }
@@ -103,8 +103,8 @@ fn stable_by_itself(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> 
     if fields.states.len() > MAX_STATES {
         return false;
     }
-    let Some((a, _)) = rational_matrices(pool, frame) else { return false };
-    let spectrum = Spectrum::of(&a);
+    let exact = exact_matrices(pool, frame, evidence);
+    let Some(spectrum) = exact.and_then(|(a, _)| Spectrum::of_reals(&a)) else { return false };
     if spectrum.right > 0 || spectrum.on_axis == 0 {
         return false;
     }
@@ -155,7 +155,7 @@ fn obstacle(
     if let Some(function) = conserved(pool, at, evidence)? {
         return Ok(Some(StabilizableReason::Conserved(function)));
     }
-    Ok(growing_form(pool, at.frame))
+    Ok(growing_form(pool, at.frame, evidence))
 }
 
 /// A function that is analytic at the point and that nothing changes, though its gradient vanishes there: a state with another value of it

@@ -1,6 +1,8 @@
 //! Equilibria of zero dynamics that the linearization does not decide.
 
-use bracketry_symbolic::{Expr, Func, Function, Node, Pool, Rational, Symbol};
+use std::cmp::Ordering;
+
+use bracketry_symbolic::{Expr, Func, Function, Node, OrderedField, Pool, Rational, Real, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::integrals::search::integrals_of_involutive;
@@ -9,9 +11,9 @@ use crate::feedback::center_pair::CenterPair;
 use crate::feedback::logarithmic_integral::logarithmic_integrals;
 use crate::feedback::lyapunov::{PolynomialField, Shown};
 use crate::feedback::zero_dynamics::Set;
-use crate::linear::matrix::{RationalMatrix, semidefinite};
-use crate::linear::polynomial::{MultivariatePolynomial, unit};
-use crate::linear::spectrum::squared_frequency;
+use crate::linear::matrix::{Matrix, semidefinite};
+use crate::linear::polynomial::{MultivariatePolynomial, RealPolynomial};
+use crate::linear::taylor::{Terms, reals};
 use crate::reason::MinimumPhaseReason;
 
 /// Order of the expansion on the center manifold, and most coordinates for a pair ±iω.
@@ -32,29 +34,31 @@ impl Critical<'_> {
     /// pair ±iω, or a first integral; `None` if none of them decides.
     pub(crate) fn decide(&self, pool: &mut Pool, evidence: &mut Evidence) -> Option<(bool, MinimumPhaseReason)> {
         let (symbols, components) = self.about_the_point(pool)?;
-        let polynomials: Option<Vec<MultivariatePolynomial>> =
-            components.iter().map(|&e| MultivariatePolynomial::of(pool, e, &symbols)).collect();
-        if let Some(found) = polynomials.as_ref().and_then(|p| PolynomialField(p).shown()) {
-            return Some(self.reason(pool, &symbols, &found));
+        let terms: Option<Vec<Terms>> = components.iter().map(|&e| Terms::of(pool, e, &symbols)).collect();
+        let polynomials = terms.and_then(|terms| Terms::with_values(pool, &terms, evidence));
+        if let Some(found) = polynomials.as_ref().and_then(|p| PolynomialField(p).shown())
+            && let Some(reason) = self.reason(pool, &symbols, &found)
+        {
+            return Some(reason);
         }
-        let expanded = polynomials
-            .or_else(|| components.iter().map(|&e| MultivariatePolynomial::taylor(pool, e, &symbols, ORDER)).collect());
+        let expanded = polynomials.or_else(|| {
+            let terms: Option<Vec<Terms>> =
+                components.iter().map(|&e| Terms::taylor(pool, e, &symbols, ORDER)).collect();
+            Terms::with_values(pool, &terms?, evidence)
+        });
         expanded.and_then(|field| self.on_center_manifold(&field)).or_else(|| self.first_integral(pool, evidence))
     }
 
     /// By a center manifold of dimension 1, or that of a pair ±iω.
-    fn on_center_manifold(&self, field: &[MultivariatePolynomial]) -> Option<(bool, MinimumPhaseReason)> {
+    fn on_center_manifold(&self, field: &[RealPolynomial]) -> Option<(bool, MinimumPhaseReason)> {
         if self.on_axis == 1 {
             let (order, c) = PolynomialField(field).on_center_manifold(ORDER)?;
-            let stable = order % 2 == 1 && c < Rational::ZERO;
-            return Some((stable, MinimumPhaseReason::CenterManifold { order, falls: c < Rational::ZERO }));
+            let falls = c.sign()? == Ordering::Less;
+            return Some((order % 2 == 1 && falls, MinimumPhaseReason::CenterManifold { order, falls }));
         }
         if self.on_axis == 2 && field.len() <= MAX_COORDINATES {
-            let n = field.len();
-            let rows = field.iter().map(|f| (0..n).map(|k| f.coefficient(&unit(n, k))).collect()).collect();
-            let axis = squared_frequency(&RationalMatrix::new(rows, n).characteristic_polynomial())?;
-            let (order, l) = CenterPair::of(field, 0, &axis)?.focal_value(ORDER as u32)?;
-            let falls = l < Rational::ZERO;
+            let (order, l) = CenterPair::of(field, 0)?.focal_value(ORDER as u32)?;
+            let falls = l.sign()? == Ordering::Less;
             return Some((falls, MinimumPhaseReason::FocalValue { order, falls }));
         }
         None
@@ -89,11 +93,12 @@ impl Critical<'_> {
         pool.substitute_all(list, &values)
     }
 
-    fn reason(&self, pool: &mut Pool, symbols: &[Symbol], shown: &Shown) -> (bool, MinimumPhaseReason) {
+    /// `None` where a coefficient is too long to be shown.
+    fn reason(&self, pool: &mut Pool, symbols: &[Symbol], shown: &Shown) -> Option<(bool, MinimumPhaseReason)> {
         let (Shown::Attracts(v) | Shown::Conserved(v) | Shown::Repels(v)) = shown;
         let mut sum = pool.int(0);
         for (m, c) in v.terms() {
-            let mut term = pool.rational(c.clone());
+            let mut term = c.expression(pool)?;
             for (&s, &k) in symbols.iter().zip(m) {
                 let x = pool.sym(s);
                 let power = pool.powi(x, i64::from(k));
@@ -111,11 +116,11 @@ impl Critical<'_> {
         }
         let v = pool.substitute(sum, &back);
         let function = Function::new(pool, v);
-        match shown {
+        Some(match shown {
             Shown::Attracts(_) => (true, MinimumPhaseReason::Lyapunov { function }),
             Shown::Conserved(_) => (false, MinimumPhaseReason::Conserved { function, stable: true }),
             Shown::Repels(_) => (false, MinimumPhaseReason::Repels { function }),
-        }
+        })
     }
 
     /// A function that is smooth at the point and constant along the motion: where all motions from a neighborhood reached the
@@ -173,10 +178,12 @@ impl Critical<'_> {
             return false;
         }
         let second = pool.jacobian(&gradient, self.states).concat();
-        let Some(values) = self.set.rationals(pool, &second) else { return false };
+        let second = self.set.values_at_point(pool, &second);
+        let Some(values) = reals(pool, &second, evidence) else { return false };
         let k = self.states.len();
-        let rows: Vec<Vec<Rational>> = values.chunks(k).map(<[Rational]>::to_vec).collect();
-        let opposite = rows.iter().map(|r| r.iter().map(|x| -x.clone()).collect()).collect();
-        RationalMatrix::new(rows.clone(), k).null_space().is_empty() && (semidefinite(rows) || semidefinite(opposite))
+        let rows: Vec<Vec<Real>> = values.chunks(k).map(<[Real]>::to_vec).collect();
+        let opposite = rows.iter().map(|r| r.iter().map(|x| -x).collect()).collect();
+        Matrix::new(rows.clone(), k).null_space().is_empty()
+            && (semidefinite(rows) == Some(true) || semidefinite(opposite) == Some(true))
     }
 }

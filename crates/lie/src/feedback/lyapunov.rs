@@ -1,23 +1,23 @@
 //! Lyapunov functions and center manifolds of polynomial systems at an equilibrium that the linearization does not decide.
 
-use bracketry_symbolic::{Rational, UnivariatePolynomial};
+use bracketry_symbolic::{FieldElement, OrderedField, Real, UnivariatePolynomial};
 
-use crate::linear::matrix::{RationalMatrix, semidefinite};
-use crate::linear::polynomial::MultivariatePolynomial;
+use crate::linear::matrix::{Matrix, semidefinite};
+use crate::linear::polynomial::RealPolynomial;
 
 /// x' = F(x) with an equilibrium at the origin.
-pub(crate) struct PolynomialField<'a>(pub(crate) &'a [MultivariatePolynomial]);
+pub(crate) struct PolynomialField<'a>(pub(crate) &'a [RealPolynomial]);
 
 /// What a function of the state shows of the equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shown {
     /// V is positive definite and does not rise, and V' = 0 holds along no other motion: asymptotically stable
     /// (Barbashin–Krasovskii, LaSalle).
-    Attracts(MultivariatePolynomial),
+    Attracts(RealPolynomial),
     /// V is positive definite and constant along all motions: stable, not asymptotically.
-    Conserved(MultivariatePolynomial),
+    Conserved(RealPolynomial),
     /// The same as the first with time reversed: unstable.
-    Repels(MultivariatePolynomial),
+    Repels(RealPolynomial),
 }
 
 /// Most combinations of functions that are tried.
@@ -43,7 +43,7 @@ impl PolynomialField<'_> {
             if quartic {
                 functions.extend((0..n).map(|i| monomial(n, &[i, i, i, i])));
             }
-            let rates: Vec<MultivariatePolynomial> = functions.iter().map(|v| self.rate(v)).collect::<Option<_>>()?;
+            let rates: Vec<RealPolynomial> = functions.iter().map(|v| self.rate(v)).collect::<Option<_>>()?;
             for degree in [u32::MAX, 4] {
                 let found = self.among(&functions, &rates, degree);
                 if found.is_some() {
@@ -55,41 +55,37 @@ impl PolynomialField<'_> {
     }
 
     /// V' = ∇V · F.
-    fn rate(&self, v: &MultivariatePolynomial) -> Option<MultivariatePolynomial> {
-        self.0.iter().enumerate().try_fold(MultivariatePolynomial::default(), |sum, (i, f)| {
-            Some(sum.plus(&v.derivative(i).times(f)?, &Rational::ONE))
-        })
+    fn rate(&self, v: &RealPolynomial) -> Option<RealPolynomial> {
+        self.0
+            .iter()
+            .enumerate()
+            .try_fold(RealPolynomial::default(), |sum, (i, f)| Some(sum.plus(&v.derivative(i).times(f)?, &Real::ONE)))
     }
 
     /// Combinations of functions of whose rate all terms up to this degree are even powers.
-    fn among(
-        &self,
-        functions: &[MultivariatePolynomial],
-        rates: &[MultivariatePolynomial],
-        degree: u32,
-    ) -> Option<Shown> {
+    fn among(&self, functions: &[RealPolynomial], rates: &[RealPolynomial], degree: u32) -> Option<Shown> {
         let mut odd: Vec<Vec<u32>> = Vec::new();
-        for (m, _) in rates.iter().flat_map(MultivariatePolynomial::terms) {
+        for (m, _) in rates.iter().flat_map(RealPolynomial::terms) {
             if !even(m) && m.iter().sum::<u32>() <= degree && !odd.contains(m) {
                 odd.push(m.clone());
             }
         }
         let rows = odd.iter().map(|m| rates.iter().map(|r| r.coefficient(m)).collect()).collect();
-        let free = RationalMatrix::new(rows, functions.len()).null_space();
+        let free = Matrix::new(rows, functions.len()).null_space();
         if free.is_empty() || free.len() > MAX_FREE {
             return None;
         }
-        let combined = |list: &[MultivariatePolynomial], c: &[Rational]| {
-            list.iter().zip(c).fold(MultivariatePolynomial::default(), |sum, (p, c)| sum.plus(p, c))
+        let combined = |list: &[RealPolynomial], c: &[Real]| {
+            list.iter().zip(c).fold(RealPolynomial::default(), |sum, (p, c)| sum.plus(p, c))
         };
         let mut conserved = None;
         for code in 1..3usize.pow(free.len() as u32) {
             // Digits 0, 1, 2 for the factors 0, 1, −1.
-            let mut c = vec![Rational::ZERO; functions.len()];
+            let mut c = vec![Real::ZERO; functions.len()];
             for (k, vector) in free.iter().enumerate() {
                 let factor = [0, 1, -1][code / 3usize.pow(k as u32) % 3];
                 for (sum, x) in c.iter_mut().zip(vector) {
-                    *sum += Rational::from(factor) * x;
+                    *sum += Real::from(factor) * x;
                 }
             }
             let v = combined(functions, &c);
@@ -101,7 +97,7 @@ impl PolynomialField<'_> {
                 conserved.get_or_insert(Shown::Conserved(v));
                 continue;
             }
-            let opposite = MultivariatePolynomial::default().plus(&rate, &Rational::from(-1));
+            let opposite = rate.negative();
             if self.falls_to_rest(&rate) {
                 return Some(Shown::Attracts(v));
             }
@@ -115,9 +111,9 @@ impl PolynomialField<'_> {
     /// Whether a rate is nowhere positive near the origin and vanishes along no motion but rest: its terms are even powers
     /// with negative factors, and multiples of these by functions that vanish at the origin; the variables that are zero where
     /// these powers are stay zero only where all are.
-    fn falls_to_rest(&self, rate: &MultivariatePolynomial) -> bool {
+    fn falls_to_rest(&self, rate: &RealPolynomial) -> bool {
         let falling: Vec<&Vec<u32>> =
-            rate.terms().filter(|(m, c)| even(m) && **c < Rational::ZERO).map(|(m, _)| m).collect();
+            rate.terms().filter(|(m, c)| even(m) && c.is_negative()).map(|(m, _)| m).collect();
         let dominated = |m: &Vec<u32>| falling.iter().any(|f| *f == m || f.iter().zip(m).all(|(a, b)| a <= b));
         if !rate.terms().all(|(m, _)| dominated(m)) {
             return false;
@@ -149,32 +145,32 @@ impl PolynomialField<'_> {
     /// The first power s^k, k ≤ `order`, of the motion s' = c s^k + … on the center manifold, with c, where the linearization
     /// has the simple eigenvalue 0 and the others in the left half-plane (Carr 1981, thm. 2): asymptotically stable for odd k and
     /// c < 0, unstable otherwise. The components need to be exact up to that order.
-    pub(crate) fn on_center_manifold(&self, order: usize) -> Option<(usize, Rational)> {
+    pub(crate) fn on_center_manifold(&self, order: usize) -> Option<(usize, Real)> {
         let n = self.0.len();
         let entry = |i: usize, j: usize| self.0[i].coefficient(&exponents(n, &[j]));
-        let a: Vec<Vec<Rational>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
-        let matrix = RationalMatrix::new(a.clone(), n);
+        let a: Vec<Vec<Real>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+        let matrix = Matrix::new(a.clone(), n);
         let ([v], [w]) = (&matrix.null_space()[..], &matrix.transposed().null_space()[..]) else { return None };
-        let dot = |x: &[Rational]| w.iter().zip(x).fold(Rational::ZERO, |s, (a, b)| s + a * b);
+        let dot = |x: &[Real]| w.iter().zip(x).fold(Real::ZERO, |s, (a, b)| s + a * b);
         let scale = dot(v);
-        if scale == Rational::ZERO {
+        if scale == Real::ZERO {
             return None;
         }
         // x = v s + h_2 s² + …, of which the coefficients follow one after the other.
-        let mut path: Vec<Vec<Rational>> = v.iter().map(|x| vec![Rational::ZERO, x.clone()]).collect();
+        let mut path: Vec<Vec<Real>> = v.iter().map(|x| vec![Real::ZERO, x.clone()]).collect();
         for k in 2..=order {
-            let series: Vec<UnivariatePolynomial> = path.iter().cloned().map(UnivariatePolynomial::new).collect();
-            let n_k: Vec<Rational> = self.0.iter().map(|f| power_of(f, &series, k)).collect();
+            let series: Vec<UnivariatePolynomial<Real>> = path.iter().cloned().map(UnivariatePolynomial::new).collect();
+            let n_k: Vec<Real> = self.0.iter().map(|f| power_of(f, &series, k)).collect();
             let c = dot(&n_k) / &scale;
-            if c != Rational::ZERO {
+            if c != Real::ZERO {
                 return Some((k, c));
             }
             // A h = −N with w h = 0.
-            let mut rows: Vec<Vec<Rational>> =
+            let mut rows: Vec<Vec<Real>> =
                 a.iter().zip(&n_k).map(|(row, x)| row.iter().chain([x]).cloned().collect()).collect();
-            rows.push(w.iter().cloned().chain([Rational::ZERO]).collect());
-            let solutions = RationalMatrix::new(rows, n + 1).null_space();
-            let h = solutions.iter().find(|h| h[n] != Rational::ZERO)?;
+            rows.push(w.iter().cloned().chain([Real::ZERO]).collect());
+            let solutions = Matrix::new(rows, n + 1).null_space();
+            let h = solutions.iter().find(|h| h[n] != Real::ZERO)?;
             for (list, x) in path.iter_mut().zip(h) {
                 list.push(x / &h[n]);
             }
@@ -184,10 +180,11 @@ impl PolynomialField<'_> {
 }
 
 /// The coefficient of s^k of a polynomial at power series in s.
-fn power_of(f: &MultivariatePolynomial, series: &[UnivariatePolynomial], k: usize) -> Rational {
-    let cut =
-        |p: UnivariatePolynomial| UnivariatePolynomial::new(p.coefficients().iter().take(k + 1).cloned().collect());
-    let mut sum = Rational::ZERO;
+fn power_of(f: &RealPolynomial, series: &[UnivariatePolynomial<Real>], k: usize) -> Real {
+    let cut = |p: UnivariatePolynomial<Real>| {
+        UnivariatePolynomial::new(p.coefficients().iter().take(k + 1).cloned().collect())
+    };
+    let mut sum = Real::ZERO;
     for (m, c) in f.terms().filter(|(m, _)| m.iter().sum::<u32>() as usize <= k) {
         let mut product = UnivariatePolynomial::new(vec![c.clone()]);
         for (&e, x) in m.iter().zip(series) {
@@ -195,7 +192,7 @@ fn power_of(f: &MultivariatePolynomial, series: &[UnivariatePolynomial], k: usiz
                 product = cut(product.mul(x));
             }
         }
-        sum += product.coefficients().get(k).cloned().unwrap_or(Rational::ZERO);
+        sum += product.coefficients().get(k).cloned().unwrap_or(Real::ZERO);
     }
     sum
 }
@@ -212,23 +209,23 @@ fn exponents(n: usize, factors: &[usize]) -> Vec<u32> {
     m
 }
 
-fn monomial(n: usize, factors: &[usize]) -> MultivariatePolynomial {
-    MultivariatePolynomial::term(Rational::ONE, exponents(n, factors))
+fn monomial(n: usize, factors: &[usize]) -> RealPolynomial {
+    RealPolynomial::term(Real::ONE, exponents(n, factors))
 }
 
 /// Whether Q + Σ b_i z_i⁴ with a quadratic form Q is positive definite near the origin: Q is in the variables that it
 /// contains, and the others have b_i > 0.
-fn positive_definite(v: &MultivariatePolynomial, n: usize) -> bool {
-    let half = Rational::ONE / Rational::from(2);
+fn positive_definite(v: &RealPolynomial, n: usize) -> bool {
+    let half = Real::ONE / Real::from(2);
     let entry = |i: usize, j: usize| {
         let c = v.coefficient(&exponents(n, &[i, j]));
         if i == j { c } else { c * &half }
     };
-    let inside: Vec<usize> = (0..n).filter(|&i| (0..n).any(|j| entry(i, j) != Rational::ZERO)).collect();
+    let inside: Vec<usize> = (0..n).filter(|&i| (0..n).any(|j| entry(i, j) != Real::ZERO)).collect();
     let others = (0..n).filter(|i| !inside.contains(i));
-    let q: Vec<Vec<Rational>> = inside.iter().map(|&i| inside.iter().map(|&j| entry(i, j)).collect()).collect();
-    let regular = RationalMatrix::new(q.clone(), inside.len()).null_space().is_empty();
+    let q: Vec<Vec<Real>> = inside.iter().map(|&i| inside.iter().map(|&j| entry(i, j)).collect()).collect();
+    let regular = Matrix::new(q.clone(), inside.len()).null_space().is_empty();
     regular
-        && semidefinite(q)
-        && others.into_iter().all(|i| v.coefficient(&exponents(n, &[i, i, i, i])) > Rational::ZERO)
+        && semidefinite(q) == Some(true)
+        && others.into_iter().all(|i| v.coefficient(&exponents(n, &[i, i, i, i])).is_positive())
 }

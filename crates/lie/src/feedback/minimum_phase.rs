@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Real, Symbol};
 use nalgebra::DMatrix;
 
 use crate::algebra::field::VectorFields;
@@ -11,8 +11,9 @@ use crate::evidence::Evidence;
 use crate::feedback::critical::Critical;
 use crate::feedback::zero_dynamics::{Set, ZeroDynamics};
 use crate::linear::clusters::{clusters, decay};
-use crate::linear::matrix::RationalMatrix;
+use crate::linear::matrix::Matrix;
 use crate::linear::spectrum::Spectrum;
+use crate::linear::taylor::reals;
 use crate::reason::{MinimumPhaseReason, Reason};
 use bracketry_numerics::eigen::{balance, eigenvalues};
 
@@ -69,7 +70,7 @@ impl ZeroDynamics {
         }
         if fields.vanishes(pool, divergence, evidence) == Ok(true) && self.states.len() > 1 {
             // Liouville: an attracting equilibrium would make volumes shrink.
-            let eigenvalues = self.eigenvalues(pool, &set).unwrap_or_default();
+            let eigenvalues = self.eigenvalues(pool, &set, evidence).unwrap_or_default();
             return decided(false, MinimumPhaseReason::PreservesVolume, eigenvalues);
         }
         if let &[z] = self.states.as_slice() {
@@ -77,8 +78,7 @@ impl ZeroDynamics {
         }
         let rows = pool.jacobian(&self.equations, &self.states).concat();
         let k = self.states.len();
-        if let Some(exact) = set.rationals(pool, &rows) {
-            let spectrum = Spectrum::of(&RationalMatrix::new(exact.chunks(k).map(<[Rational]>::to_vec).collect(), k));
+        if let Some(spectrum) = set.spectrum(pool, &rows, evidence) {
             let eigenvalues = listed(&spectrum);
             return match (spectrum.right, spectrum.on_axis) {
                 (0, 0) => decided(true, MinimumPhaseReason::Stable, eigenvalues),
@@ -106,12 +106,11 @@ impl ZeroDynamics {
     }
 
     /// Eigenvalues of the linearization at the point of `set`, real and imaginary parts.
-    fn eigenvalues(&self, pool: &mut Pool, set: &Set<'_>) -> Option<Vec<(f64, f64)>> {
+    fn eigenvalues(&self, pool: &mut Pool, set: &Set<'_>, evidence: &mut Evidence) -> Option<Vec<(f64, f64)>> {
         let rows = pool.jacobian(&self.equations, &self.states).concat();
         let k = self.states.len();
-        if let Some(exact) = set.rationals(pool, &rows) {
-            let a = RationalMatrix::new(exact.chunks(k).map(<[Rational]>::to_vec).collect(), k);
-            return Some(listed(&Spectrum::of(&a)));
+        if let Some(spectrum) = set.spectrum(pool, &rows, evidence) {
+            return Some(listed(&spectrum));
         }
         let values = set.numbers(pool, &rows)?;
         eigenvalues(&DMatrix::from_row_slice(k, k, &values))
@@ -162,7 +161,7 @@ fn listed(spectrum: &Spectrum) -> Vec<(f64, f64)> {
 
 impl Set<'_> {
     /// The expressions with the values of point and parameters.
-    fn values_at_point(&self, pool: &mut Pool, list: &[Expr]) -> Vec<Expr> {
+    pub(crate) fn values_at_point(&self, pool: &mut Pool, list: &[Expr]) -> Vec<Expr> {
         let (bindings, mut map) = self.at_point(pool);
         let roots = pool.substitute_all(list, &map);
         map.clear();
@@ -173,6 +172,14 @@ impl Set<'_> {
             }
         }
         pool.substitute_all(&roots, &map)
+    }
+
+    /// The eigenvalues of a square matrix at the point, given by its entries, if they are told exactly.
+    fn spectrum(&self, pool: &mut Pool, entries: &[Expr], evidence: &mut Evidence) -> Option<Spectrum> {
+        let entries = self.values_at_point(pool, entries);
+        let values = reals(pool, &entries, evidence)?;
+        let k = values.len().isqrt();
+        Spectrum::of_reals(&Matrix::new(values.chunks(k.max(1)).map(<[Real]>::to_vec).collect(), k))
     }
 
     /// Values at the point; `None` if one is not seen to be a rational number.

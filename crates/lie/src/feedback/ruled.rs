@@ -285,7 +285,7 @@ fn no_common_zero(forms: &[Vec<Vec<Rational>>], dimension: usize) -> bool {
     }
     for q in combinations {
         let opposite = sum(&q, &q, &Rational::from(-2));
-        if zero(&q) || !(semidefinite(q.clone()) || semidefinite(opposite)) {
+        if zero(&q) || !(semidefinite(q.clone()) == Some(true) || semidefinite(opposite) == Some(true)) {
             continue;
         }
         let kernel = RationalMatrix::new(q, dimension).null_space();

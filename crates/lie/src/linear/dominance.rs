@@ -1,9 +1,9 @@
 //! The sign that a polynomial keeps near the origin.
 
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{FieldElement, OrderedField, Rational, Real};
 
 use crate::linear::matrix::semidefinite;
-use crate::linear::polynomial::{MultivariatePolynomial, unit};
+use crate::linear::polynomial::{RealPolynomial, unit};
 use crate::linear::program::{Optimum, Program};
 
 /// Most terms of a polynomial, and most even ones among them with the sign in question.
@@ -14,7 +14,7 @@ const MAX_COMPLETIONS: usize = 3;
 /// The part of the even terms that is left for those that are small beside them.
 const SPARE: (i64, i64) = (1, 64);
 
-impl MultivariatePolynomial {
+impl RealPolynomial {
     /// Whether the polynomial, and whatever vanishes to a higher degree than `remainder` is added to it, is seen not to be negative
     /// near the origin.
     ///
@@ -59,12 +59,12 @@ impl MultivariatePolynomial {
             for _ in 0..MAX_COMPLETIONS {
                 let square = p.coefficient(&(0..n).map(|j| if i == j { 2 } else { 0 }).collect::<Vec<_>>());
                 // A linear term would move the origin.
-                let linear = p.coefficient(&unit(n, i)) != Rational::ZERO;
-                if linear || square <= Rational::ZERO || !p.terms().any(|(m, _)| m[i] == 1) {
+                let linear = !p.coefficient(&unit(n, i)).is_zero();
+                if linear || !square.is_positive() || !p.terms().any(|(m, _)| m[i] == 1) {
                     break;
                 }
-                let twice = Rational::from(2) * square;
-                let mut shifted = Self::term(Rational::ONE, unit(n, i));
+                let twice = Real::from(2) * square;
+                let mut shifted = Self::term(Real::ONE, unit(n, i));
                 for (m, c) in p.terms().filter(|(m, _)| m[i] == 1) {
                     let rest = m.iter().enumerate().map(|(j, k)| if i == j { 0 } else { *k }).collect();
                     shifted.add_term(rest, -c / &twice);
@@ -80,7 +80,7 @@ impl MultivariatePolynomial {
 
     /// The same for the polynomial as it stands.
     fn is_borne(&self, remainder: Option<u32>) -> bool {
-        let bears = |(m, c): &(&Vec<u32>, &Rational)| m.iter().all(|k| k % 2 == 0) && **c > Rational::ZERO;
+        let bears = |(m, c): &(&Vec<u32>, &Real)| m.iter().all(|k| k % 2 == 0) && c.is_positive();
         let (even, others): (Vec<_>, Vec<_>) = self.terms().partition(bears);
         // Multiples of others bear nothing that those do not.
         let divides = |a: &[u32], b: &[u32]| a != b && a.iter().zip(b).all(|(a, b)| a <= b);
@@ -111,8 +111,8 @@ impl MultivariatePolynomial {
             return true;
         }
         let spare = if small { Rational::from(SPARE.0) / Rational::from(SPARE.1) } else { Rational::ZERO };
-        let kept = Rational::ONE - spare;
-        let mut form = vec![vec![Rational::ZERO; even.len()]; even.len()];
+        let kept = Real::from(Rational::ONE - spare);
+        let mut form = vec![vec![Real::ZERO; even.len()]; even.len()];
         for (i, (_, c)) in even.iter().enumerate() {
             form[i][i] = *c * &kept;
         }
@@ -122,11 +122,11 @@ impl MultivariatePolynomial {
             else {
                 return false;
             };
-            let half = c / Rational::from(2);
+            let half = c / Real::from(2);
             form[i][j] += &half;
             form[j][i] += &half;
         }
-        semidefinite(form)
+        semidefinite(form) == Some(true)
     }
 }
 
@@ -154,10 +154,10 @@ mod tests {
 
     use super::*;
 
-    fn polynomial(terms: &[(i64, [u32; 2])]) -> MultivariatePolynomial {
-        let mut p = MultivariatePolynomial::default();
+    fn polynomial(terms: &[(i64, [u32; 2])]) -> RealPolynomial {
+        let mut p = RealPolynomial::default();
         for (c, m) in terms {
-            p.add_term(m.to_vec(), Rational::from(*c));
+            p.add_term(m.to_vec(), Real::from(*c));
         }
         p
     }
@@ -198,7 +198,7 @@ mod tests {
                     let (x, y) = (small(k, i as u32 + 1), small(l, j as u32 + 1));
                     let value = p.terms().fold(Rational::ZERO, |s, (m, c)| {
                         let power = |x: &Rational, k: u32| (0..k).fold(Rational::ONE, |p, _| p * x);
-                        s + c * power(&x, m[0]) * power(&y, m[1])
+                        s + c.rational().unwrap() * power(&x, m[0]) * power(&y, m[1])
                     });
                     prop_assert!(value >= Rational::ZERO, "{terms:?} at {x}, {y}");
                 }
@@ -211,15 +211,15 @@ mod tests {
             let variables: Vec<Vec<u32>> = (0..3).map(|i| unit(3, i)).collect();
             let squares: Vec<Vec<u32>> = variables.iter().map(|m| m.iter().map(|k| 2 * k).collect()).collect();
             let monomials: Vec<Vec<u32>> = [vec![vec![0; 3]], variables.clone(), squares].concat();
-            let mut sum = MultivariatePolynomial::default();
+            let mut sum = RealPolynomial::default();
             for c in entries.chunks_exact(monomials.len()) {
-                let mut p = MultivariatePolynomial::default();
-                c.iter().zip(&monomials).for_each(|(&c, m)| p.add_term(m.clone(), Rational::from(c)));
-                sum = sum.plus(&p.times_up_to(&p, 4), &Rational::ONE);
+                let mut p = RealPolynomial::default();
+                c.iter().zip(&monomials).for_each(|(&c, m)| p.add_term(m.clone(), Real::from(c)));
+                sum = sum.plus(&p.times_up_to(&p, 4), &Real::ONE);
             }
             let at_origin = sum.coefficient(&[0, 0, 0]);
             sum.add_term(vec![0; 3], -at_origin);
-            let linear = variables.iter().any(|m| sum.coefficient(m) != Rational::ZERO);
+            let linear = variables.iter().any(|m| !sum.coefficient(m).is_zero());
             prop_assert!(!(linear && sum.is_nonnegative_near_origin(None)));
         }
     }

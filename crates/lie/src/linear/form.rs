@@ -1,44 +1,48 @@
 //! Quadratic forms.
 
-use bracketry_symbolic::Rational;
+use std::cmp::Ordering;
 
-use crate::linear::matrix::RationalMatrix;
+use bracketry_symbolic::OrderedField;
+
+use crate::linear::matrix::Matrix;
 
 /// Whether the quadratic form of a symmetric matrix takes positive, and whether it takes negative values (Lagrange's
-/// reduction to squares).
-pub(crate) fn signs(q: &RationalMatrix) -> (bool, bool) {
+/// reduction to squares); `None` where a sign is not known.
+pub(crate) fn signs<C: OrderedField>(q: &Matrix<C>) -> Option<(bool, bool)> {
     let mut q = q.rows().to_vec();
     let (mut positive, mut negative) = (false, false);
     while let Some(n) = q.len().checked_sub(1) {
-        let Some(p) = (0..=n).find(|&i| q[i][i] != Rational::ZERO) else {
+        let Some(p) = (0..=n).find(|&i| !q[i][i].is_zero()) else {
             // 2 q_ij x_i x_j alone.
-            let mixed = q.iter().flatten().any(|e| *e != Rational::ZERO);
-            return (positive || mixed, negative || mixed);
+            let mixed = q.iter().flatten().any(|e| !e.is_zero());
+            return Some((positive || mixed, negative || mixed));
         };
-        if q[p][p] > Rational::ZERO {
-            positive = true;
-        } else {
-            negative = true;
+        match q[p][p].sign()? {
+            Ordering::Greater => positive = true,
+            _ => negative = true,
         }
         q.swap(p, n);
         for row in &mut q {
             row.swap(p, n);
         }
         let Some(last) = q.pop() else { break };
+        let inverse = last[n].inverse()?;
         for row in &mut q {
-            let factor = row[n].clone() / &last[n];
+            let factor = row[n].times(&inverse);
             for (e, l) in row.iter_mut().zip(&last) {
-                *e -= &factor * l;
+                e.subtract_product(&factor, l);
             }
             row.truncate(n);
         }
     }
-    (positive, negative)
+    Some((positive, negative))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear::matrix::RationalMatrix;
+    use bracketry_symbolic::Rational;
     use proptest::prelude::*;
 
     proptest! {
@@ -58,7 +62,7 @@ mod tests {
                 Rational::from((0..n).map(|k| mix(k, i) * i64::from(d[k]) * mix(k, j)).sum::<i64>())
             };
             let q = RationalMatrix::new((0..n).map(|i| (0..n).map(|j| of_form(i, j)).collect()).collect(), n);
-            prop_assert_eq!(signs(&q), (d.contains(&1), d.contains(&-1)));
+            prop_assert_eq!(signs(&q), Some((d.contains(&1), d.contains(&-1))));
         }
     }
 }

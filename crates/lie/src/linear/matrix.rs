@@ -1,47 +1,47 @@
-//! Matrices of rational numbers.
+//! Matrices of exact numbers.
 
-use bracketry_symbolic::{Echelon, Rational, UnivariatePolynomial};
+use std::cmp::Ordering;
+
+use bracketry_symbolic::{Echelon, FieldElement, OrderedField, Rational, Real, UnivariatePolynomial};
 
 use crate::linear::characteristic::characteristic_polynomial;
 
 /// A matrix by its rows, all of the same length.
 #[derive(Clone, Debug, PartialEq)]
 #[must_use]
-pub struct RationalMatrix {
-    rows: Vec<Vec<Rational>>,
+pub struct Matrix<C> {
+    rows: Vec<Vec<C>>,
     columns: usize,
 }
 
-impl RationalMatrix {
+/// A matrix of rational numbers.
+pub type RationalMatrix = Matrix<Rational>;
+
+impl<C: OrderedField> Matrix<C> {
     /// From its rows, of `columns` entries each.
-    pub fn new(rows: Vec<Vec<Rational>>, columns: usize) -> Self {
-        RationalMatrix { rows, columns }
+    pub fn new(rows: Vec<Vec<C>>, columns: usize) -> Self {
+        Matrix { rows, columns }
     }
 
     /// Its rows.
-    pub fn rows(&self) -> &[Vec<Rational>] {
+    pub fn rows(&self) -> &[Vec<C>] {
         &self.rows
     }
 
     /// Rows and columns exchanged.
     pub fn transposed(&self) -> Self {
         let rows = (0..self.columns).map(|j| self.rows.iter().map(|r| r[j].clone()).collect()).collect();
-        RationalMatrix { rows, columns: self.rows.len() }
+        Matrix { rows, columns: self.rows.len() }
     }
 
     /// The product with a column.
-    pub fn times(&self, v: &[Rational]) -> Vec<Rational> {
+    pub fn times(&self, v: &[C]) -> Vec<C> {
         self.rows.iter().map(|row| dot(row, v)).collect()
     }
 
     /// A basis of {v : M v = 0}, one vector for each column without pivot, with 1 there.
-    pub fn null_space(&self) -> Vec<Vec<Rational>> {
+    pub fn null_space(&self) -> Vec<Vec<C>> {
         Echelon::new(&self.rows, self.columns).null_space()
-    }
-
-    /// Whether a symmetric matrix is positive semidefinite, by symmetric elimination.
-    pub fn is_positive_semidefinite(&self) -> bool {
-        semidefinite(self.rows.clone())
     }
 
     /// M⁻¹ of a square matrix; `None` if it is singular.
@@ -49,45 +49,90 @@ impl RationalMatrix {
         let n = self.rows.len();
         let mut echelon = Echelon::empty(2 * n);
         for (i, row) in self.rows.iter().enumerate() {
-            let unit = (0..n).map(|j| if i == j { Rational::ONE } else { Rational::ZERO });
+            let unit = (0..n).map(|j| if i == j { C::ONE } else { C::ZERO });
             echelon.insert(row.iter().cloned().chain(unit).collect());
         }
         let rows = echelon.rows.into_iter().map(|mut row| row.split_off(n)).collect();
-        echelon.pivots.into_iter().eq(0..n).then_some(RationalMatrix { rows, columns: n })
+        echelon.pivots.into_iter().eq(0..n).then_some(Matrix { rows, columns: n })
     }
+}
 
+impl RationalMatrix {
     /// det(λ − M) of a square matrix.
     pub fn characteristic_polynomial(&self) -> UnivariatePolynomial {
         characteristic_polynomial(&self.rows)
     }
+
+    /// Whether a symmetric matrix is positive semidefinite, by symmetric elimination.
+    pub fn is_positive_semidefinite(&self) -> bool {
+        semidefinite(self.rows.clone()) == Some(true)
+    }
 }
 
-fn dot(a: &[Rational], b: &[Rational]) -> Rational {
-    a.iter().zip(b).filter(|(x, _)| **x != Rational::ZERO).fold(Rational::ZERO, |s, (x, y)| s + x * y)
+impl Matrix<Real> {
+    /// The matrix, if all entries are seen to be rational.
+    pub(crate) fn rational(&self) -> Option<RationalMatrix> {
+        let row = |r: &Vec<Real>| r.iter().map(|x| x.rational().cloned()).collect::<Option<Vec<_>>>();
+        Some(RationalMatrix::new(self.rows.iter().map(row).collect::<Option<_>>()?, self.columns))
+    }
+
+    /// det(λ − M) of a square matrix, by the traces of N_k = M N_(k−1) + c_(n−k+1) (Faddeev and LeVerrier), which divide by integers only.
+    pub(crate) fn characteristic_polynomial(&self) -> UnivariatePolynomial<Real> {
+        let n = self.rows.len();
+        let columns = self.transposed();
+        let mut c = vec![Real::ONE; n + 1];
+        let mut product = vec![vec![Real::ZERO; n]; n];
+        for k in 1..=n {
+            for (i, row) in product.iter_mut().enumerate() {
+                row[i] += &c[n - k + 1];
+            }
+            // N M = M N
+            product = product.iter().map(|row| columns.times(row)).collect();
+            let trace = (0..n).fold(Real::ZERO, |s, i| s + &product[i][i]);
+            c[n - k] = trace / Real::from(-(k as i64));
+        }
+        UnivariatePolynomial::new(c)
+    }
 }
 
-/// Whether a symmetric matrix is positive semidefinite, by symmetric elimination.
-pub(crate) fn semidefinite(mut q: Vec<Vec<Rational>>) -> bool {
+/// The matrix of A on the vectors modulo span{A^k b_i}, in the coordinates w_i x of an annihilating basis; `b` has
+/// a row for each input.
+pub(crate) fn quotient_by_reachable<C: OrderedField>(a: &Matrix<C>, b: &Matrix<C>) -> Matrix<C> {
+    let reached = Echelon::invariant(b.rows(), a.rows().len(), |v| a.times(v));
+    // W A = Q W, and W is the identity on the columns without pivot.
+    let columns: Vec<usize> = reached.free_columns().collect();
+    let transposed = a.transposed();
+    let rows = reached.null_space().into_iter().map(|w| {
+        let image = transposed.times(&w);
+        columns.iter().map(|&j| image[j].clone()).collect()
+    });
+    Matrix::new(rows.collect(), columns.len())
+}
+
+fn dot<C: OrderedField>(a: &[C], b: &[C]) -> C {
+    a.iter().zip(b).filter(|(x, _)| !x.is_zero()).fold(C::ZERO, |s, (x, y)| s.plus(&x.times(y)))
+}
+
+/// Whether a symmetric matrix is positive semidefinite, by symmetric elimination; `None` where a sign is not known.
+pub(crate) fn semidefinite<C: OrderedField>(mut q: Vec<Vec<C>>) -> Option<bool> {
     let n = q.len();
     for k in 0..n {
-        if q[k][k] < Rational::ZERO {
-            return false;
+        match q[k][k].sign()? {
+            Ordering::Less => return Some(false),
+            Ordering::Equal if (k..n).any(|j| !q[k][j].is_zero()) => return Some(false),
+            Ordering::Equal => continue,
+            Ordering::Greater => {}
         }
-        if q[k][k] == Rational::ZERO {
-            if (k..n).any(|j| q[k][j] != Rational::ZERO) {
-                return false;
-            }
-            continue;
-        }
+        let Some(inverse) = q[k][k].inverse() else { continue };
         for i in k + 1..n {
-            let factor = &q[i][k] / &q[k][k];
+            let factor = q[i][k].times(&inverse);
             for j in k..n {
-                let step = &factor * &q[k][j];
-                q[i][j] -= step;
+                let above = q[k][j].clone();
+                q[i][j].subtract_product(&factor, &above);
             }
         }
     }
-    true
+    Some(true)
 }
 
 #[cfg(test)]

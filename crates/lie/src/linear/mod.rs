@@ -1,4 +1,4 @@
-//! Linear algebra for linearizations: exact over the rational numbers, else in floating point with bounded iterations.
+//! Linear algebra for linearizations: exact over the rational numbers and for small matrices of other constants, else in floating point with bounded iterations.
 
 mod characteristic;
 pub(crate) mod clusters;
@@ -14,6 +14,6 @@ pub(crate) mod taylor;
 pub(crate) mod zeros;
 
 pub use distance::Distance;
-pub use matrix::RationalMatrix;
+pub use matrix::{Matrix, RationalMatrix};
 pub use polynomial::MultivariatePolynomial;
 pub use spectrum::half_planes;

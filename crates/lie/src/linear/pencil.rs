@@ -47,7 +47,9 @@ pub(crate) fn semidefinite_combinations(forms: &[RationalMatrix]) -> Vec<Vec<Rat
     }
     let mut found: Vec<Vec<Rational>> = Vec::new();
     for c in proposed {
-        if c.iter().any(|x| *x != Rational::ZERO) && signs(&combined(forms, &c)) != (true, true) && !found.contains(&c)
+        if c.iter().any(|x| *x != Rational::ZERO)
+            && signs(&combined(forms, &c)) != Some((true, true))
+            && !found.contains(&c)
         {
             found.push(c);
         }

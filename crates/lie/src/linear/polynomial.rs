@@ -2,15 +2,24 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, OrderedField, Pool, Rational, Real, Symbol};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A polynomial with rational coefficients; its variables are numbered.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MultivariatePolynomial {
+/// A polynomial; its variables are numbered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MultivariatePolynomial<C = Rational> {
     /// Coefficients, none zero, by the exponents of the variables.
-    terms: BTreeMap<Vec<u32>, Rational>,
+    terms: BTreeMap<Vec<u32>, C>,
+}
+
+/// A polynomial whose coefficients need not be rational.
+pub(crate) type RealPolynomial = MultivariatePolynomial<Real>;
+
+impl<C> Default for MultivariatePolynomial<C> {
+    fn default() -> Self {
+        MultivariatePolynomial { terms: BTreeMap::new() }
+    }
 }
 
 /// As a list of exponents with coefficients, such as `[[[2, 0], "3/4"]]`.
@@ -48,16 +57,24 @@ impl MultivariatePolynomial {
         }
         (p.terms.len() <= MAX_TERMS).then_some(p)
     }
+}
 
+impl<C: OrderedField> MultivariatePolynomial<C> {
     /// c · Π x_i^k_i.
-    pub fn term(c: Rational, exponents: Vec<u32>) -> Self {
+    pub fn term(c: C, exponents: Vec<u32>) -> Self {
         let mut p = Self::default();
         p.add_term(exponents, c);
         p
     }
 
+    /// The polynomial with the other sign.
+    #[must_use]
+    pub fn negative(&self) -> Self {
+        MultivariatePolynomial { terms: self.terms.iter().map(|(m, c)| (m.clone(), c.negative())).collect() }
+    }
+
     /// Exponents and coefficients of all terms.
-    pub fn terms(&self) -> impl Iterator<Item = (&Vec<u32>, &Rational)> {
+    pub fn terms(&self) -> impl Iterator<Item = (&Vec<u32>, &C)> {
         self.terms.iter()
     }
 
@@ -67,24 +84,27 @@ impl MultivariatePolynomial {
     }
 
     /// Adds c · Π x_i^k_i.
-    pub fn add_term(&mut self, exponents: Vec<u32>, c: Rational) {
-        let sum = self.terms.remove(&exponents).unwrap_or(Rational::ZERO) + c;
-        if sum != Rational::ZERO {
+    pub fn add_term(&mut self, exponents: Vec<u32>, c: C) {
+        let sum = match self.terms.remove(&exponents) {
+            Some(old) => old.plus(&c),
+            None => c,
+        };
+        if !sum.is_zero() {
             self.terms.insert(exponents, sum);
         }
     }
 
     /// The coefficient of Π x_i^k_i.
-    pub fn coefficient(&self, exponents: &[u32]) -> Rational {
-        self.terms.get(exponents).cloned().unwrap_or(Rational::ZERO)
+    pub fn coefficient(&self, exponents: &[u32]) -> C {
+        self.terms.get(exponents).cloned().unwrap_or(C::ZERO)
     }
 
     /// Σ terms of this with the factor `c`.
     #[must_use]
-    pub fn plus(&self, other: &Self, c: &Rational) -> Self {
+    pub fn plus(&self, other: &Self, c: &C) -> Self {
         let mut sum = self.clone();
         for (m, x) in &other.terms {
-            sum.add_term(m.clone(), x * c);
+            sum.add_term(m.clone(), x.times(c));
         }
         sum
     }
@@ -95,7 +115,7 @@ impl MultivariatePolynomial {
         let mut product = Self::default();
         for (a, x) in &self.terms {
             for (b, y) in &other.terms {
-                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x * y);
+                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x.times(y));
             }
         }
         product
@@ -106,7 +126,7 @@ impl MultivariatePolynomial {
         let mut product = Self::default();
         for (a, x) in &self.terms {
             for (b, y) in &other.terms {
-                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x * y);
+                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x.times(y));
             }
             if product.terms.len() > MAX_TERMS {
                 return None;
@@ -122,7 +142,7 @@ impl MultivariatePolynomial {
         let mut product = Self::default();
         for (a, x) in self.terms.iter().filter(|(a, _)| total(a) <= degree) {
             for (b, y) in other.terms.iter().filter(|(b, _)| total(a) + total(b) <= degree) {
-                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x * y);
+                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x.times(y));
             }
         }
         product
@@ -139,7 +159,7 @@ impl MultivariatePolynomial {
                     product = product.times_up_to(value, degree);
                 }
             }
-            sum = sum.plus(&product, &Rational::ONE);
+            sum = sum.plus(&product, &C::ONE);
         }
         sum
     }
@@ -160,7 +180,7 @@ impl MultivariatePolynomial {
             if k > 0 {
                 let mut lower = m.clone();
                 lower[variable] = k - 1;
-                d.add_term(lower, c * Rational::from(k));
+                d.add_term(lower, c.times(&C::of(Rational::from(k))));
             }
         }
         d
@@ -176,7 +196,7 @@ impl MultivariatePolynomial {
             for _ in 0..k {
                 part = part.times(value)?;
             }
-            sum = sum.plus(&part, &Rational::ONE);
+            sum = sum.plus(&part, &C::ONE);
             if sum.terms.len() > MAX_TERMS {
                 return None;
             }

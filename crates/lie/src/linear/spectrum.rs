@@ -1,12 +1,14 @@
-//! The eigenvalues of a rational matrix: multiplicities and half-planes exactly, values to the accuracy of `f64`.
+//! The eigenvalues of an exact matrix: multiplicities and half-planes exactly, values to the accuracy of `f64`.
+
+use std::cmp::Ordering;
 
 use bracketry_numerics::eigen::eigenvalues;
-use bracketry_symbolic::{Rational, UnivariatePolynomial};
+use bracketry_symbolic::{Coefficient, Rational, Real, UnivariatePolynomial};
 use dashu_int::IBig;
 use dashu_int::ops::BitTest;
 use nalgebra::DMatrix;
 
-use crate::linear::matrix::RationalMatrix;
+use crate::linear::matrix::{Matrix, RationalMatrix};
 
 /// An eigenvalue.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,26 +40,36 @@ pub fn half_planes(a: &RationalMatrix) -> [usize; 3] {
 impl Spectrum {
     /// Of a square matrix.
     pub(crate) fn of(a: &RationalMatrix) -> Self {
-        Self::of_polynomial(&a.characteristic_polynomial())
+        // All signs of rational numbers are known.
+        Self::of_polynomial(&a.characteristic_polynomial()).unwrap_or_default()
     }
 
-    /// The roots of p. Yun's square-free factors have simple roots, whose number is the multiplicity; in each, the
-    /// pairs ±z are split off as the common factor of even and odd part, and what remains has no root on the axis,
+    /// Of a square matrix of real numbers; `None` where a sign is not known, and for a large matrix that is not rational.
+    pub(crate) fn of_reals(a: &Matrix<Real>) -> Option<Self> {
+        match a.rational() {
+            Some(a) => Some(Self::of(&a)),
+            None if a.rows().len() > MAX_IRRATIONAL => None,
+            None => Self::of_polynomial(&a.characteristic_polynomial()),
+        }
+    }
+
+    /// The roots of p; `None` where a sign is not known. Yun's square-free factors have simple roots, whose number is the multiplicity; in
+    /// each, the pairs ±z are split off as the common factor of even and odd part, and what remains has no root on the axis,
     /// so that Sturm's sequence along the axis counts its half-planes (Gantmacher 1959, vol. 2, ch. XV).
-    pub(crate) fn of_polynomial(p: &UnivariatePolynomial) -> Self {
+    pub(crate) fn of_polynomial<C: Coefficient>(p: &UnivariatePolynomial<C>) -> Option<Self> {
         let mut spectrum = Spectrum::default();
         for (multiplicity, factor) in square_free_factors(p) {
-            spectrum.add(factor, multiplicity);
+            spectrum.add(factor, multiplicity)?;
         }
         spectrum.roots.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-        spectrum
+        Some(spectrum)
     }
 
-    fn add(&mut self, mut p: UnivariatePolynomial, multiplicity: usize) {
+    fn add<C: Coefficient>(&mut self, mut p: UnivariatePolynomial<C>, multiplicity: usize) -> Option<()> {
         let mut push = |re: f64, im: f64, exact: Option<Rational>| {
             self.roots.push(Root { re, im, multiplicity, exact });
         };
-        if p.coefficients().first() == Some(&Rational::ZERO) {
+        if p.coefficients().first().is_some_and(C::is_zero) {
             push(0.0, 0.0, Some(Rational::ZERO));
             self.on_axis += multiplicity;
             p = UnivariatePolynomial::new(p.coefficients()[1..].to_vec());
@@ -65,45 +77,50 @@ impl Spectrum {
         let pairs = common_of_parts(&p);
         let mut rest = p;
         if pairs.degree() > 0 {
-            for square in simple_roots(&pairs) {
+            let (squares, exact) = simple_roots(&pairs)?;
+            let on_axis = squares.iter().filter(|square| square.im == 0.0 && square.re < 0.0).count();
+            if !exact && on_axis != negative_roots(&pairs)? {
+                return None;
+            }
+            self.on_axis += 2 * on_axis * multiplicity;
+            self.left += (pairs.degree() - on_axis) * multiplicity;
+            self.right += (pairs.degree() - on_axis) * multiplicity;
+            for square in squares {
                 if square.im == 0.0 && square.re < 0.0 {
                     let w = (-square.re).sqrt();
                     push(0.0, w, None);
                     push(0.0, -w, None);
-                    self.on_axis += 2 * multiplicity;
                 } else {
                     let z = nalgebra::Complex::new(square.re, square.im).sqrt();
                     let exact = square.exact.as_ref().and_then(square_root);
                     push(z.re, z.im, exact.clone());
                     push(-z.re, 0.0 - z.im, exact.map(|r| -r));
-                    self.left += multiplicity;
-                    self.right += multiplicity;
                 }
             }
-            let in_squares: Vec<Rational> =
-                pairs.coefficients().iter().flat_map(|c| [c.clone(), Rational::ZERO]).collect();
+            let in_squares: Vec<C> = pairs.coefficients().iter().flat_map(|c| [c.clone(), C::ZERO]).collect();
             rest = rest.quotient(&UnivariatePolynomial::new(in_squares));
         }
         if rest.degree() > 0 {
-            let left = roots_in_left_half_plane(&rest);
+            let left = roots_in_left_half_plane(&rest)?;
             self.left += left * multiplicity;
             self.right += (rest.degree() - left) * multiplicity;
-            for root in simple_roots(&rest) {
+            for root in simple_roots(&rest)?.0 {
                 push(root.re, root.im, root.exact);
             }
         }
+        Some(())
     }
 }
 
 /// ω² > 0 where ±iω are the only pair ±z of roots of a polynomial.
-pub(crate) fn squared_frequency(p: &UnivariatePolynomial) -> Option<Rational> {
+pub(crate) fn squared_frequency<C: Coefficient>(p: &UnivariatePolynomial<C>) -> Option<C> {
     let pairs = common_of_parts(p);
-    let square = -(pairs.coefficients().first()? / pairs.coefficients().get(1)?);
-    (pairs.degree() == 1 && square < Rational::ZERO).then(|| -square)
+    let square = pairs.coefficients().first()?.times(&pairs.coefficients().get(1)?.inverse()?);
+    (pairs.degree() == 1 && square.is_positive()).then_some(square)
 }
 
 /// The polynomial whose roots are the squares z² of the pairs ±z of roots: the common factor of even and odd part.
-fn common_of_parts(p: &UnivariatePolynomial) -> UnivariatePolynomial {
+fn common_of_parts<C: Coefficient>(p: &UnivariatePolynomial<C>) -> UnivariatePolynomial<C> {
     let part =
         |parity: usize| UnivariatePolynomial::new(p.coefficients().iter().skip(parity).step_by(2).cloned().collect());
     part(0).gcd(&part(1))
@@ -116,7 +133,7 @@ fn square_root(x: &Rational) -> Option<Rational> {
 }
 
 /// Yun's factors p_k with p = c Π p_k^k, those of degree 0 left out.
-fn square_free_factors(p: &UnivariatePolynomial) -> Vec<(usize, UnivariatePolynomial)> {
+fn square_free_factors<C: Coefficient>(p: &UnivariatePolynomial<C>) -> Vec<(usize, UnivariatePolynomial<C>)> {
     let mut factors = Vec::new();
     if p.degree() == 0 {
         return factors;
@@ -140,34 +157,60 @@ fn square_free_factors(p: &UnivariatePolynomial) -> Vec<(usize, UnivariatePolyno
 
 /// Of a polynomial without roots on the imaginary axis: along x = iω its argument turns by π for each root in the left
 /// half-plane more than in the right one, and the Cauchy index of its two parts by Sturm's sequence counts the turns.
-fn roots_in_left_half_plane(p: &UnivariatePolynomial) -> usize {
+fn roots_in_left_half_plane<C: Coefficient>(p: &UnivariatePolynomial<C>) -> Option<usize> {
     let n = p.degree();
     // p(iω) = iⁿ (a(ω) − i b(ω)).
-    let mut parts = [vec![Rational::ZERO; n + 1], vec![Rational::ZERO; n + 1]];
+    let mut parts = [vec![C::ZERO; n + 1], vec![C::ZERO; n + 1]];
     for (k, c) in p.coefficients().iter().enumerate() {
         let down = n - k;
-        parts[down % 2][k] = if (down / 2).is_multiple_of(2) { c.clone() } else { -c.clone() };
+        parts[down % 2][k] = if (down / 2).is_multiple_of(2) { c.clone() } else { c.negative() };
     }
     let [a, b] = parts.map(UnivariatePolynomial::new);
     let chain = UnivariatePolynomial::signed_remainders(&a, &b);
-    let variations = |at_minus_infinity: bool| {
-        let positive: Vec<bool> = chain
-            .iter()
-            .map(|f| (f.leading() > Rational::ZERO) != (at_minus_infinity && !f.degree().is_multiple_of(2)))
-            .collect();
-        positive.windows(2).filter(|w| w[0] != w[1]).count()
-    };
     // left − right = V(−∞) − V(∞)
-    (n + variations(true) - variations(false)) / 2
+    Some((n + variations(&chain, true)? - variations(&chain, false)?) / 2)
 }
 
+/// Changes of sign of the polynomials at −∞ or ∞; `None` where a sign is not known.
+pub(crate) fn variations<C: Coefficient>(chain: &[UnivariatePolynomial<C>], at_minus_infinity: bool) -> Option<usize> {
+    let sign = |f: &UnivariatePolynomial<C>| -> Option<bool> {
+        let positive = f.leading().sign()? == Ordering::Greater;
+        Some(positive != (at_minus_infinity && !f.degree().is_multiple_of(2)))
+    };
+    let positive: Vec<bool> = chain.iter().map(sign).collect::<Option<_>>()?;
+    Some(positive.windows(2).filter(|w| w[0] != w[1]).count())
+}
+
+/// The number of negative roots of a polynomial all of whose roots are simple and not 0 (Sturm).
+fn negative_roots<C: Coefficient>(p: &UnivariatePolynomial<C>) -> Option<usize> {
+    let chain = UnivariatePolynomial::signed_remainders(p, &p.derivative());
+    let at_zero = chain.iter().map(|f| f.coefficients().first()).filter(|c| c.is_some_and(|c| !c.is_zero()));
+    let signs: Vec<Ordering> = at_zero.map(|c| c?.sign()).collect::<Option<_>>()?;
+    Some(variations(&chain, true)? - signs.windows(2).filter(|w| w[0] != w[1]).count())
+}
+
+/// Most rows of a matrix that is not rational.
+pub(crate) const MAX_IRRATIONAL: usize = 16;
 /// Rounds of the iteration for complex roots, and the correction, relative to the root, at which it ends.
 const ROUNDS: usize = 60;
 const CONVERGED: f64 = 4.0 * f64::EPSILON;
 
+/// The roots of a polynomial all of whose roots are simple, and whether it is rational; else they are those of one nearby.
+fn simple_roots<C: Coefficient>(p: &UnivariatePolynomial<C>) -> Option<(Vec<Root>, bool)> {
+    let nearby: Vec<Rational> = p.coefficients().iter().map(C::approximation).collect::<Option<_>>()?;
+    let is_exact = p.coefficients().iter().zip(&nearby).all(|(c, x)| *c == C::of(x.clone()));
+    let mut roots = roots_of_rational(&UnivariatePolynomial::new(nearby));
+    if !is_exact {
+        for root in &mut roots {
+            root.exact = None;
+        }
+    }
+    Some((roots, is_exact))
+}
+
 /// The roots of a polynomial all of whose roots are simple: real ones by bisection, the others by the iteration of
 /// Ehrlich and Aberth from the eigenvalues of the companion matrix, with p/p' from exact values.
-fn simple_roots(p: &UnivariatePolynomial) -> Vec<Root> {
+fn roots_of_rational(p: &UnivariatePolynomial) -> Vec<Root> {
     let real = p.roots();
     let mut roots: Vec<Root> =
         real.iter().map(|r| Root { re: r.value, im: 0.0, multiplicity: 1, exact: r.exact.clone() }).collect();
@@ -270,6 +313,7 @@ fn first_guess(p: &UnivariatePolynomial) -> Vec<Complex> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use proptest::prelude::*;
 
@@ -292,7 +336,7 @@ mod tests {
         /// Polynomials with known roots: their multiplicities, half-planes, and values are found again.
         #[test]
         fn known_roots_are_found(real in prop::collection::vec((-6i64..7, 1i64..4), 0..6), pairs in prop::collection::vec((-3i64..4, 1i64..4), 0..4)) {
-            let spectrum = Spectrum::of_polynomial(&product(&real, &pairs));
+            let spectrum = Spectrum::of_polynomial(&product(&real, &pairs)).unwrap();
             let mut expected: Vec<(f64, f64)> = real.iter().map(|&(p, q)| (p as f64 / q as f64, 0.0)).collect();
             for &(a, b) in &pairs {
                 expected.extend([(a as f64, b as f64), (a as f64, -b as f64)]);
@@ -326,10 +370,10 @@ mod tests {
     #[test]
     fn ill_conditioned_roots_are_exact() {
         let p = product(&(1..=20).map(|k| (-k, 1)).collect::<Vec<_>>(), &[]);
-        let roots = Spectrum::of_polynomial(&p).roots;
+        let roots = Spectrum::of_polynomial(&p).unwrap().roots;
         assert_eq!(roots.iter().map(|r| r.re).collect::<Vec<_>>(), (1..=20).map(|k| -f64::from(k)).collect::<Vec<_>>());
         let p = product(&[(-100_000, 1), (1, 2), (-1, 1), (-2, 1)], &[(-1, 1000)]);
-        let spectrum = Spectrum::of_polynomial(&p);
+        let spectrum = Spectrum::of_polynomial(&p).unwrap();
         assert_eq!((spectrum.left, spectrum.on_axis, spectrum.right), (5, 0, 1));
         let pair = spectrum.roots.iter().find(|r| r.im > 0.0).map(|r| (r.re, r.im));
         assert!(pair.is_some_and(|(re, im)| (re + 1.0).abs() < 1e-12 && (im - 1000.0).abs() < 1e-12), "{spectrum:?}");
@@ -345,7 +389,7 @@ mod tests {
                 Rational::ONE,
             ]))
         });
-        let spectrum = Spectrum::of_polynomial(&p);
+        let spectrum = Spectrum::of_polynomial(&p).unwrap();
         assert_eq!((spectrum.left, spectrum.on_axis, spectrum.right), (10, 0, 0));
         assert!(
             spectrum.roots.iter().all(|r| r.multiplicity == 1 && (r.re + 0.5e-9).abs() < 1e-15 && r.im.abs() > 999.0)

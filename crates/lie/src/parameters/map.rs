@@ -7,8 +7,7 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-use crate::controllability::linearization::quotient_by_reachable;
-use crate::linear::matrix::RationalMatrix;
+use crate::linear::matrix::{RationalMatrix, quotient_by_reachable};
 use crate::linear::spectrum::Spectrum;
 use crate::parameters::aspect::{Aspect, Linear};
 use crate::parameters::cases::{parameter_cases, subject};

@@ -18,6 +18,7 @@ mod input_output;
 mod integrals;
 mod invariance;
 mod irrational;
+mod irrational_critical;
 mod large_coefficients;
 mod linearize;
 mod no_return;
