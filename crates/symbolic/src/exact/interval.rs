@@ -108,6 +108,18 @@ impl Interval {
     }
 
     pub(super) fn times(&self, other: &Self) -> Self {
+        // Where signs are known, two products suffice.
+        match (self.sign(), other.sign()) {
+            (Some(Ordering::Greater), Some(Ordering::Greater)) => {
+                Self { low: &self.low * &other.low, high: &self.high * &other.high }
+            }
+            (Some(Ordering::Less), Some(_)) => self.negative().times(other).negative(),
+            (Some(_), Some(Ordering::Less)) => self.times(&other.negative()).negative(),
+            _ => self.times_of_any_sign(other),
+        }
+    }
+
+    fn times_of_any_sign(&self, other: &Self) -> Self {
         let [a, b, c, d] =
             [&self.low, &self.high.clone().with_rounding(), &other.low, &other.high.clone().with_rounding()];
         let low = [a * c, a * d, b * c, b * d].into_iter().reduce(|x, y| if y < x { y } else { x });
