@@ -94,7 +94,7 @@ fn decide(
     if misses_a_direction(pool, frame, &image, &variables, &jacobian) {
         return Ok(Some(false));
     }
-    let covered = open_by_second_order(pool, frame, &image, &variables)
+    let covered = open_by_second_order(pool, frame, &image, &variables, evidence)
         || covers(pool, frame, &image, &variables, evidence)
         || regular_nearby(pool, frame, &image, &variables, evidence)?;
     Ok(covered.then_some(true))
