@@ -50,7 +50,7 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// Its name in words: `viscous friction`.
+    /// Its name in words: `viscous friction`, `Coulomb friction`.
     pub fn words(self) -> String {
         let mut text = String::new();
         for c in format!("{self:?}").chars() {
@@ -58,6 +58,9 @@ impl Cause {
                 text.push(' ');
             }
             text.extend(c.to_lowercase());
+        }
+        for name in ["Coulomb", "Stribeck"] {
+            text = text.replace(&name.to_lowercase(), name);
         }
         text
     }

@@ -161,7 +161,7 @@ fn why(reason: &MethodReason) -> String {
         |change: f64| if change < 1e-4 { "less than 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * change) };
     match reason {
         MethodReason::Given => "set in the problem file".to_owned(),
-        MethodReason::Setting { key } => format!("the problem file sets `{key}`, which only this method has"),
+        MethodReason::Setting { key } => format!("the problem file sets `{key}`, which selects this method"),
         MethodReason::Friction { names } => {
             format!("the plan can reach dry friction (sign of {})", names.join(", "))
         }

@@ -18,7 +18,7 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
     ("A region of attraction of the model's point", "bracketry certify models/duffing.toml --find region --out out"),
     (
         "The region of attraction of a closed loop, drawn",
-        "bracketry certify cart.toml --with u=-2*x-3*v --find region --out out",
+        "bracketry certify cart.toml --with \"u=-2*x-3*v\" --find region --out out",
     ),
     ("Check a certificate from a file", "bracketry certify models/duffing.toml --check out/certificate_region.json"),
 ];

@@ -73,7 +73,7 @@ pub(crate) fn run(args: &DemoArgs, options: &CommonArgs) -> anyhow::Result<Outco
     progress.finish_and_clear();
     let closing = format!(
         "written to {}: report.html (everything on one page), report.txt, main.json, analysis.json, affine.toml, extended.toml,\n\
-         logs and trajectories as CSV, figures as svg and png, animations as gif; {:.1} s to compute",
+         logs and trajectories as CSV, figures as SVG and PNG, animations as GIF; {:.1} s to compute",
         out.display(),
         story.seconds
     );

@@ -61,7 +61,7 @@ fn heading(name: &str) -> String {
 /// What exit codes mean, where nothing more is to be said.
 pub(crate) const EXIT_CODES: (&str, &str) = (
     "Exit codes",
-    "0  done\n1  ran, but the answer is negative or undecided, or the target was not reached\n2  bad input; the message gives the location and the remedy",
+    "0  done\n1  ran, but did not find, decide, prove, or reach what was asked for\n2  bad input; the message gives the location and the remedy",
 );
 
 /// The same for commands that write files and decide nothing.

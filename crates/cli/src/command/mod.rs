@@ -63,7 +63,7 @@ const FIRST_STEPS: [(&str, &str); 6] = [
 ];
 
 /// What the time limit ends in the search for an operating point.
-const NO_MORE_STARTS: &str = "Start no further searches after this many seconds";
+const NO_MORE_STARTS: &str = "Stop after this many seconds; no further searches are started";
 
 /// In the order in which they are used, which is that of the help.
 #[derive(Subcommand)]
@@ -143,8 +143,8 @@ enum Command {
     /// Find what a model lacks from measured data: causes, extended model, improvement
     #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
         ("Exit codes",
-            "0  a cause is named, or nothing is wrong\n\
-             1  something is wrong, but no known cause explains it; or the data are uninformative\n2  bad input"),
+            "0  a cause is found, named or as an unknown term, or nothing is wrong\n\
+             1  a column is wrong, the error is explained only in part or not at all, or the data are uninformative\n2  bad input"),
         UNITS,
     ]))]
     Diagnose(Box<diagnose::DiagnoseArgs>),

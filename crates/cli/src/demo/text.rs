@@ -266,21 +266,23 @@ impl Story {
                 None => equations.push((name, vec![&c.equation])),
             }
         }
-        let mut causes: Vec<String> = equations.iter().map(|(name, of)| format!("{name} in {}", all_of(of))).collect();
-        if causes.is_empty() {
-            causes.push("no cause".to_owned());
-        }
+        let causes: Vec<String> = equations.iter().map(|(name, of)| format!("{name} in {}", all_of(of))).collect();
         let of: Vec<&str> = unnamed.iter().map(|c| c.equation.as_str()).collect();
-        let unnamed =
-            if of.is_empty() { String::new() } else { format!("; it also adds an unnamed term in {}", of.join(", ")) };
+        let unnamed = (!of.is_empty()).then(|| format!("an unnamed term in {}", of.join(", ")));
+        let found = match (causes.is_empty(), unnamed) {
+            (true, unnamed) => format!("adds {}", unnamed.unwrap_or_else(|| "nothing".to_owned())),
+            (false, None) => format!("names these causes: {}", causes.join("; ")),
+            (false, Some(unnamed)) => format!("names these causes: {}; it also adds {unnamed}", causes.join("; ")),
+        };
         let second = match &self.extended {
             None => "The diagnosis of the logs names no cause.".to_owned(),
             Some(moved) => {
-                let reached = if moved.reached() { "reaches it" } else { "misses it as well" };
-                format!(
-                    "The diagnosis names these causes: {}{unnamed}. With the model extended by these terms, the controller {reached}.",
-                    causes.join("; ")
-                )
+                let reached = if moved.reached() {
+                    "reaches its target on the true plant"
+                } else {
+                    "misses its target there as well"
+                };
+                format!("The diagnosis {found}. With the model extended by these terms, the controller {reached}.")
             }
         };
         format!("{first} {second}")

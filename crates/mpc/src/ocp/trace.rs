@@ -54,12 +54,18 @@ pub struct LargestViolation {
     pub sample: usize,
 }
 
-/// What rounding adds to a value on its bound, relative to it.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// What rounding adds to a value on its bound, relative to the largest along the run.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl LargestViolation {
     /// The larger of what was found before and this one, if it is one; what is no number counts most.
-    fn or(found: Option<Self>, of: Bounded, sample: usize, v: f64, (min, max): (f64, f64)) -> Option<Self> {
+    fn or(
+        found: Option<Self>,
+        of: Bounded,
+        sample: usize,
+        (v, size): (f64, f64),
+        (min, max): (f64, f64),
+    ) -> Option<Self> {
         let (below, above) = (min - v, v - max);
         let side = if below > above { BoundSide::Min } else { BoundSide::Max };
         let by = if below > above { below } else { above };
@@ -67,7 +73,7 @@ impl LargestViolation {
         let larger = match &found {
             Some(f) => !f.by.is_nan() && (by.is_nan() || by > f.by),
             // A value that rounding put past a bound on which it lies keeps it.
-            None => by.is_nan() || by > ROUNDING * v.abs(),
+            None => by.is_nan() || by > ROUNDING * size,
         };
         if bounded && larger { Some(Self { of, side, by, sample }) } else { found }
     }
@@ -114,20 +120,25 @@ impl Ocp {
         traces: &[ConstraintTrace],
     ) -> Option<LargestViolation> {
         let mut found = None;
+        let sizes = |rows: &[Vec<f64>], count: usize| -> Vec<f64> {
+            (0..count).map(|i| rows.iter().map(|row| row[i].abs()).fold(0.0, f64::max)).collect()
+        };
+        let (of_states, of_inputs) = (sizes(x, self.state_bounds.len()), sizes(u, self.input_bounds.len()));
         for (k, x) in x.iter().enumerate().skip(1) {
             for (i, (v, b)) in x.iter().zip(&self.state_bounds).enumerate() {
-                found = LargestViolation::or(found, Bounded::State(i), k, *v, (b.min, b.max));
+                found = LargestViolation::or(found, Bounded::State(i), k, (*v, of_states[i]), (b.min, b.max));
             }
         }
         for (k, u) in u.iter().enumerate() {
             for (j, (v, b)) in u.iter().zip(&self.input_bounds).enumerate() {
-                found = LargestViolation::or(found, Bounded::Input(j), k, *v, *b);
+                found = LargestViolation::or(found, Bounded::Input(j), k, (*v, of_inputs[j]), *b);
             }
         }
         for (c, trace) in traces.iter().enumerate() {
+            let size = trace.values.iter().map(|v| v.abs()).fold(0.0, f64::max);
             for k in trace.holds.clone() {
                 let bounds = (trace.min[k], trace.max[k]);
-                found = LargestViolation::or(found, Bounded::Constraint(c), k, trace.values[k], bounds);
+                found = LargestViolation::or(found, Bounded::Constraint(c), k, (trace.values[k], size), bounds);
             }
         }
         found

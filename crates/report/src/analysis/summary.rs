@@ -38,7 +38,7 @@ fn about_delays(a: &Analysis) -> Option<String> {
     let list: Vec<String> = a.input_delays.iter().map(|(name, d)| format!("{name} by {d} s")).collect();
     Some(format!(
         "Inputs act later than they are commanded ({}). All statements refer to the inputs as they arrive: ranks and \
-         dimensions do not change, and the inputs reach the same sets later by the delay. State feedback, as for \
+         dimensions do not change, and the inputs reach the same sets, only later by the delay. State feedback, as for \
          linearization or stabilization, has to predict the state over the delay.",
         list.join(", ")
     ))

@@ -26,10 +26,10 @@ const BINS: usize = 24;
 const FEWEST: usize = 5;
 
 /// What candidates are in the ranking.
-const NAMED: &str = "named as a cause, alone";
-const BESIDE: &str = "named as a cause, with the other causes";
+const NAMED: &str = "selected, alone";
+const BESIDE: &str = "selected, with the other selected terms";
 const RIVAL: &str = "confusable with a cause, alone";
-const TRIED: &str = "not named, alone";
+const TRIED: &str = "not selected, alone";
 /// Places that a figure has room for.
 const MOST_PLACES: usize = 12;
 
@@ -175,7 +175,7 @@ fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
     if let Some(times) = places.iter().map(|p| p.time.map(|t| 100.0 * t)).collect::<Option<Vec<f64>>>() {
         chart = chart.series("of the time", times);
     }
-    let equations = if several { ", each with its equation" } else { "" };
+    let equations = if several { ", by equation" } else { "" };
     Some(Figure {
         name: name.to_owned(),
         caption: format!(

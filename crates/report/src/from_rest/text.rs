@@ -50,7 +50,7 @@ pub(super) fn stroke_name(s: &Stroke) -> String {
             readable(*d)
         ),
         Shape::Lift { peak, shaken } => {
-            let there = if *shaken { ", shakes a little" } else { "" };
+            let there = if *shaken { ", shakes a little," } else { "" };
             format!("{inputs} moves away by {}{there} and comes back", readable(*peak))
         }
     }
@@ -133,7 +133,7 @@ pub fn from_rest_text(found: &FromRest) -> String {
                 lines.push(format!("    {when}{list}"));
             }
             if let Some((c, sign)) = s.proven {
-                let way = if sign > 0.0 { "up" } else { "down" };
+                let way = if sign > 0.0 { "in the positive direction" } else { "in the negative direction" };
                 lines.push(format!("    proven: moves only {}, and only {way}", found.coordinates[c].name));
             }
         }

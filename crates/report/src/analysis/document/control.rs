@@ -62,7 +62,7 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
     if let Some(rank) = io.decoupling_rank {
         let full = match io.vector_relative_degree {
             Some(true) => ": the outputs have a vector relative degree",
-            Some(false) => ": not the full row rank, so static feedback does not decouple the outputs",
+            Some(false) => ": not full row rank, so static feedback does not decouple the outputs",
             None => "",
         };
         items.push(vec![text(format!("generic rank of A: {rank}{full}"))]);
