@@ -129,6 +129,8 @@ pub enum Path {
     SensorDelay,
     /// First-order filter of measured columns, s.
     SensorLag,
+    /// The same, computed from sample to sample.
+    DigitalFilter,
     /// Offset of a measured column.
     SensorBias,
     /// Offset of a measured column that grows with the time from the start of a record, per second.

@@ -66,7 +66,8 @@ impl ExtendedModel {
         let mut extended = Self { system, notes: Vec::new(), measured: FxHashMap::default() };
         extended.system.mark_dry_friction();
         // Offsets stand behind filters.
-        let is_filter = |e: &&Effect| matches!(e.change, Change::Path { path: Path::SensorLag, .. });
+        let is_filter =
+            |e: &&Effect| matches!(e.change, Change::Path { path: Path::SensorLag | Path::DigitalFilter, .. });
         let (filters, others): (Vec<&Effect>, Vec<&Effect>) = fit.effects.iter().partition(is_filter);
         for effect in filters.into_iter().chain(others) {
             match &effect.change {
@@ -120,7 +121,7 @@ impl ExtendedModel {
             match path {
                 Path::ActuatorLag => add_lag(&mut self.system, name, symbol)?,
                 Path::InputDelay => add_delay(&mut self.system, name, symbol)?,
-                Path::SensorLag => self.add_filter(name, symbol)?,
+                Path::SensorLag | Path::DigitalFilter => self.add_filter(name, symbol)?,
                 Path::SensorDelay | Path::SensorBias => {
                     let offset = self.system.pool.sym(symbol);
                     self.add_offset(name, offset)?;

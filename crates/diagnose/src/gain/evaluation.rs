@@ -118,7 +118,9 @@ impl Equations {
                     (Path::InputDelay, Some(i)) => inputs[i].0 += value,
                     (Path::ActuatorLag, Some(i)) => inputs[i].1 += value,
                     // To first order a filter is a delay by its time constant.
-                    (Path::SensorDelay | Path::SensorLag, _) => columns.push((name.clone(), [value, 0.0, 0.0])),
+                    (Path::SensorDelay | Path::SensorLag | Path::DigitalFilter, _) => {
+                        columns.push((name.clone(), [value, 0.0, 0.0]))
+                    }
                     (Path::SensorBias, _) => columns.push((name.clone(), [0.0, value, 0.0])),
                     (Path::SensorDrift, _) => columns.push((name.clone(), [0.0, 0.0, value])),
                     (Path::InputDelay | Path::ActuatorLag, None) => {}

@@ -37,11 +37,13 @@ impl Builder {
         let all: Vec<String> = sensors.iter().map(|s| s.name.clone()).collect();
         if sensors.len() > 1 {
             self.time(Cause::SensorDelay, Path::SensorDelay, "sensor_delay", "all", all.clone(), interval);
-            self.time(Cause::SensorLag, Path::SensorLag, "sensor_lag", "all", all.clone(), interval);
         }
         for name in all {
             self.time(Cause::SensorDelay, Path::SensorDelay, "sensor_delay", &name, vec![name.clone()], interval);
-            self.time(Cause::SensorLag, Path::SensorLag, "sensor_lag", &name, vec![name.clone()], interval);
+            // A filter of all columns alike is a lag of the inputs, but for friction.
+            for path in [Path::SensorLag, Path::DigitalFilter] {
+                self.time(Cause::SensorLag, path, "sensor_lag", &name, vec![name.clone()], interval);
+            }
         }
         self.com_offset(records);
         for i in 0..sensors.len() {
@@ -119,11 +121,17 @@ impl Builder {
             Path::ActuatorLag => "follows its command with this time constant",
             Path::InputDelay => "acts this much later than logged",
             Path::SensorLag => "is shown by a filter with this time constant",
+            Path::DigitalFilter => "is shown by a digital filter with this time constant",
             Path::SensorDelay | Path::SensorBias | Path::SensorDrift => "is logged this much later than it happens",
         };
         let shown = signals.join(", ");
         let term = match path {
             Path::ActuatorLag => Formula::new(format!("{shown}: {k}*der(y) = u - y"), lagged(&signals, &k, "u")),
+            Path::DigitalFilter => {
+                let how = "from sample to sample";
+                let law = Notation::Row(vec![lagged(&signals, &k, "x"), Notation::text(&format!(", {how}"))]);
+                Formula::new(format!("{shown}: {k}*der(y) = x - y, {how}"), law)
+            }
             Path::SensorLag => Formula::new(format!("{shown}: {k}*der(y) = x - y"), lagged(&signals, &k, "x")),
             Path::InputDelay | Path::SensorDelay | Path::SensorBias | Path::SensorDrift => {
                 Formula::new(format!("{shown}(t - {k})"), delayed(&signals, &k))

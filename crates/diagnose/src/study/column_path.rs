@@ -12,6 +12,8 @@ pub(super) struct ColumnPath {
     pub(super) delay: f64,
     /// Time constant of a first-order filter.
     pub(super) lag: f64,
+    /// That of one which is computed from sample to sample.
+    pub(super) digital: f64,
     pub(super) offset: f64,
     /// Growth of the offset per second from the start of the record.
     pub(super) drift: f64,
@@ -24,8 +26,15 @@ impl ColumnPath {
             Path::SensorBias => self.offset += value,
             Path::SensorDrift => self.drift += value,
             Path::SensorLag => self.lag += value,
+            Path::DigitalFilter => self.digital += value,
             Path::SensorDelay | Path::InputDelay | Path::ActuatorLag => self.delay += value,
         }
+    }
+
+    /// The filter, if there is one. Two in a row count as one.
+    fn filter(&self) -> Option<Filter> {
+        let lag = self.lag + self.digital;
+        (lag > 0.0).then_some(Filter { lag, digital: self.digital > self.lag })
     }
 
     /// What is added to the true value this long after the start of the record.
@@ -34,13 +43,38 @@ impl ColumnPath {
     }
 }
 
+/// A first-order filter.
+#[derive(Clone, Copy)]
+struct Filter {
+    /// Time constant, s.
+    lag: f64,
+    /// Whether it is computed from sample to sample: y_k = y_{k−1} + (1 − e^(−Δt/τ)) (x_k − y_{k−1}).
+    digital: bool,
+}
+
+impl Filter {
+    /// What it shows of values at these times if it shows the first of them at first.
+    fn applied(self, times: &[f64], values: &[f64]) -> Vec<f64> {
+        if !self.digital {
+            return lagged(times, values, Hold::Linear, self.lag, values[0]);
+        }
+        let mut shown = values[0];
+        let first = std::iter::once(shown);
+        let rest = times.windows(2).zip(&values[1..]).map(|(t, value)| {
+            shown += (1.0 - ((t[0] - t[1]) / self.lag).exp()) * (value - shown);
+            shown
+        });
+        first.chain(rest).collect()
+    }
+}
+
 impl Runner<'_> {
     /// Changes of the columns, over their noise, behind their filters: what a filter shows at first is what suits the measurements best, so
     /// that the change is orthogonal to the transient that another start would add. Nothing where a measurement was lost.
     pub(super) fn through_filters(&self, columns: &[ColumnPath], values: &mut [f64]) {
         let m = self.samples();
-        for (column, path) in columns.iter().enumerate().filter(|(_, path)| path.lag > 0.0) {
-            self.filter(column, path.lag, &mut values[column * m..(column + 1) * m], |_| 0.0);
+        for (column, filter) in columns.iter().enumerate().filter_map(|(c, path)| Some((c, path.filter()?))) {
+            self.filter(column, filter, &mut values[column * m..(column + 1) * m], |_| 0.0);
         }
         self.clear_lost(values);
     }
@@ -52,8 +86,8 @@ impl Runner<'_> {
         for (column, path) in columns.iter().enumerate() {
             let offset = |sample: usize| path.offset_after(self.elapsed(sample)) * self.weights[column];
             let values = &mut values[column * m..(column + 1) * m];
-            if path.lag > 0.0 {
-                self.filter(column, path.lag, values, |k| self.target[column * m + k] - offset(k));
+            if let Some(filter) = path.filter() {
+                self.filter(column, filter, values, |k| self.target[column * m + k] - offset(k));
                 starts[column] = values[0];
             }
             values.iter_mut().enumerate().for_each(|(k, v)| *v += offset(k));
@@ -63,16 +97,16 @@ impl Runner<'_> {
     }
 
     /// A filter of one column, which begins as it was told, or so that it is nearest to `target`.
-    fn filter(&self, column: usize, lag: f64, values: &mut [f64], target: impl Fn(usize) -> f64) {
+    fn filter(&self, column: usize, filter: Filter, values: &mut [f64], target: impl Fn(usize) -> f64) {
         let times = &self.record.times[self.window.from..self.window.to];
         let start = values[0];
-        let behind = lagged(times, values, Hold::Linear, lag, start);
+        let behind = filter.applied(times, values);
         let change = match &self.filter_starts {
             Some(starts) => starts[column] - start,
-            None => self.transient_in(column, lag, |k| target(k) - behind[k]),
+            None => self.transient_in(column, filter.lag, |k| target(k) - behind[k]),
         };
         for (k, (value, behind)) in values.iter_mut().zip(behind).enumerate() {
-            *value = behind + change * self.transient(lag, k);
+            *value = behind + change * self.transient(filter.lag, k);
         }
     }
 
@@ -95,19 +129,23 @@ impl Runner<'_> {
 
     /// The number of filters whose starts are fitted in this window.
     pub(super) fn fitted_starts(&self) -> usize {
-        if self.filter_starts.is_some() { 0 } else { self.columns().iter().filter(|path| path.lag > 0.0).count() }
+        if self.filter_starts.is_some() {
+            0
+        } else {
+            self.columns().iter().filter(|path| path.filter().is_some()).count()
+        }
     }
 
     fn clear_lost(&self, values: &mut [f64]) {
         values.iter_mut().zip(&self.present).filter(|(_, present)| !**present).for_each(|(v, _)| *v = 0.0);
     }
 
-    /// What the columns of the last trajectory show if some are filtered by `lag` more.
-    pub(super) fn filtered_more(&self, names: &[String], lag: f64) -> Vec<f64> {
+    /// What the columns of the last trajectory show if a filter of some is slower by `lag`.
+    pub(super) fn filtered_more(&self, path: Path, names: &[String], lag: f64) -> Vec<f64> {
         let mut columns = self.columns();
-        for (path, measured) in columns.iter_mut().zip(&self.record.measured) {
+        for (column, measured) in columns.iter_mut().zip(&self.record.measured) {
             if names.contains(&measured.name) {
-                path.lag += lag;
+                column.add(path, lag);
             }
         }
         let mut values = self.trajectory.shown.clone();
@@ -130,8 +168,7 @@ impl Runner<'_> {
                     let by = if *path == Path::SensorDrift { self.elapsed(sample) } else { 1.0 };
                     out[at] = if self.present[at] { by * self.weights[column] } else { 0.0 };
                 }
-                let lag = self.columns().get(column).map_or(0.0, |path| path.lag);
-                if lag > 0.0 {
+                if let Some(Filter { lag, .. }) = self.columns().get(column).and_then(ColumnPath::filter) {
                     let change = self.transient_in(column, lag, |k| out[column * m + k]);
                     (0..m).for_each(|k| out[column * m + k] -= change * self.transient(lag, k));
                 }

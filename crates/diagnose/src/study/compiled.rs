@@ -163,7 +163,7 @@ fn target(system: &System, records: &[Record], effect: &Effect, number: usize) -
             let inputs = signals.iter().map(|name| input_index(system, name));
             Ok(Target::Input(*path, inputs.collect::<Result<_, _>>()?))
         }
-        Path::SensorDelay | Path::SensorLag | Path::SensorBias | Path::SensorDrift => {
+        Path::SensorDelay | Path::SensorLag | Path::DigitalFilter | Path::SensorBias | Path::SensorDrift => {
             let known: Vec<String> = records.iter().flat_map(|r| &r.measured).map(|m| m.name.clone()).collect();
             match signals.iter().find(|s| !known.contains(s)) {
                 Some(name) => Err(unknown("measured column", name, &known)),
@@ -230,7 +230,7 @@ impl Compiled {
     /// A step for finite differences in an unknown. Times (delays and lags) move by a fraction of the sampling time.
     pub(super) fn step(&self, unknown: usize, sampling: f64) -> f64 {
         match &self.targets[unknown] {
-            Target::Input(..) | Target::Column(Path::SensorDelay | Path::SensorLag, _) => {
+            Target::Input(..) | Target::Column(Path::SensorDelay | Path::SensorLag | Path::DigitalFilter, _) => {
                 self.settings.solver.time_step * sampling
             }
             _ => self.settings.solver.difference_step * self.unknowns[unknown].scale,

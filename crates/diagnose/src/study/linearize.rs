@@ -293,12 +293,15 @@ fn filters(
     theta: &[f64],
     secants: &[Secant],
 ) -> Option<Vec<OfWindow>> {
-    let Some(Target::Column(Path::SensorLag, names)) = compiled.targets.get(theta.len()) else { return None };
+    let Some(Target::Column(path @ (Path::SensorLag | Path::DigitalFilter), names)) = compiled.targets.get(theta.len())
+    else {
+        return None;
+    };
     if !slot.runner.trajectory.is_of(theta, &point.x0) {
         return None;
     }
     let of = |s: &Secant| {
-        let moved = slot.runner.filtered_more(names, s.to);
+        let moved = slot.runner.filtered_more(*path, names, s.to);
         let mut out = vec![0.0; moved.len()];
         difference(&moved, &point.simulated, s.to, &mut out);
         Ok(out)

@@ -218,7 +218,7 @@ impl Study {
         let most = self.settings.windows.slowest_filter * self.windows_used().seconds;
         let mut effects = effects.to_vec();
         for effect in &mut effects {
-            if !matches!(effect.change, Change::Path { path: Path::SensorLag, .. }) {
+            if !matches!(effect.change, Change::Path { path: Path::SensorLag | Path::DigitalFilter, .. }) {
                 continue;
             }
             for c in &mut effect.coefficients {

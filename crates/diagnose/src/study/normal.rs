@@ -112,10 +112,10 @@ pub(super) fn sensitivities(
             continue;
         }
         let step = step_of(unknown, theta[j], compiled.step(j, runner.sampling()));
-        if let Target::Column(Path::SensorLag, names) = &compiled.targets[j]
+        if let Target::Column(path @ (Path::SensorLag | Path::DigitalFilter), names) = &compiled.targets[j]
             && runner.trajectory.is_of(theta, &point.x0)
         {
-            let moved = runner.filtered_more(names, step);
+            let moved = runner.filtered_more(*path, names, step);
             difference(&moved, &point.simulated, step / unknown.scale, column.as_mut_slice());
             continue;
         }

@@ -158,6 +158,7 @@ impl<'a> Runner<'a> {
                             Path::InputDelay
                             | Path::SensorDelay
                             | Path::SensorLag
+                            | Path::DigitalFilter
                             | Path::SensorBias
                             | Path::SensorDrift => paths.inputs[i].0 += value,
                         }

@@ -44,7 +44,7 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
     };
     // All measured columns late by the same time is one chain of sensors, as a camera; several inputs is a coincidence.
     let channels = match &effect.change {
-        Change::Path { path: Path::SensorDelay | Path::SensorLag, signals } if signals.len() == measured => 1,
+        Change::Path { path: Path::SensorDelay, signals } if signals.len() == measured => 1,
         Change::Path { signals, .. } => signals.len(),
         _ => 1,
     };

@@ -95,10 +95,17 @@ fn a_sensor_that_drifts_is_named_with_its_rate() {
 
 #[test]
 fn a_filter_of_a_sensor_is_named_with_its_time_constant() {
-    for (seed, lag) in [(10, 0.03), (11, 0.08)] {
-        let mut y = 0.1;
+    for (seed, lag, digital) in [(10, 0.03, false), (11, 0.08, false), (12, 0.05, true), (13, 0.09, true)] {
+        let (mut y, mut time, mut next) = (0.1, 0.0, STEP);
         let filter = |step: f64, x: f64| {
-            y += (x - y) * (1.0 - (-step / lag).exp());
+            time += step;
+            if !digital {
+                y += (x - y) * (1.0 - (-step / lag).exp());
+            } else if time > next - 0.5 * step {
+                // A program sees samples alone.
+                y += (x - y) * (1.0 - (-STEP / lag).exp());
+                next += STEP;
+            }
             y
         };
         let report = verdict(record(seed, |u| u, filter));
