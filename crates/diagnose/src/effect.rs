@@ -200,3 +200,16 @@ pub struct Effect {
     /// What it does to the model.
     pub change: Change,
 }
+
+impl Effect {
+    /// Whether signals come late by it: a delay, a lag, or a filter.
+    pub(crate) fn is_late(&self) -> bool {
+        let Change::Path { path, .. } = &self.change else { return false };
+        !matches!(path, Path::SensorBias | Path::SensorDrift)
+    }
+
+    /// Whether it is a filter of measured columns.
+    pub(crate) fn is_filter(&self) -> bool {
+        matches!(self.change, Change::Path { path: Path::SensorLag | Path::DigitalFilter, .. })
+    }
+}

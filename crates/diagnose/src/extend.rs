@@ -66,8 +66,7 @@ impl ExtendedModel {
         let mut extended = Self { system, notes: Vec::new(), measured: FxHashMap::default() };
         extended.system.mark_dry_friction();
         // Offsets stand behind filters.
-        let is_filter =
-            |e: &&Effect| matches!(e.change, Change::Path { path: Path::SensorLag | Path::DigitalFilter, .. });
+        let is_filter = |e: &&Effect| e.is_filter();
         let (filters, others): (Vec<&Effect>, Vec<&Effect>) = fit.effects.iter().partition(is_filter);
         for effect in filters.into_iter().chain(others) {
             match &effect.change {

@@ -138,11 +138,14 @@ impl Builder {
             }
         };
         let longest = self.settings.longest_delay;
+        // Trials of filters need no simulation, and their secants hold less far.
+        let dense = matches!(path, Path::SensorLag | Path::DigitalFilter);
+        let trials = self.settings.time_trials * if dense { 2 } else { 1 };
         let c = Coefficient {
             min: 0.0,
             max: 10.0 * longest.max(interval),
             scale: interval,
-            trials: log_grid(0.5 * interval, longest.max(20.0 * interval), self.settings.time_trials),
+            trials: log_grid(0.5 * interval, longest.max(20.0 * interval), trials),
             ..dissipation(k, "s", format!("{shown} {what}"))
         };
         self.path(cause, path, signals, term, c);

@@ -4,6 +4,7 @@ use super::compiled::Target;
 use super::runner::Runner;
 use super::signal_path::lagged;
 use crate::effect::Path;
+use bracketry_numerics::statistics::rms;
 use bracketry_sim::Hold;
 
 /// The path of a measured column.
@@ -41,6 +42,16 @@ impl ColumnPath {
     fn offset_after(&self, elapsed: f64) -> f64 {
         self.offset + self.drift * elapsed
     }
+}
+
+/// A filter begins behind its values by at most this many of their changes, root mean square, during its time constant.
+const MOST_BEHIND: f64 = 3.0;
+
+/// Root mean square of the slope; 0 where it is no number.
+fn slope(times: &[f64], values: &[f64]) -> f64 {
+    let rates = times.windows(2).zip(values.windows(2)).map(|(t, v)| (v[1] - v[0]) / (t[1] - t[0]));
+    let slope = rms(rates);
+    if slope.is_finite() { slope } else { 0.0 }
 }
 
 /// A first-order filter.
@@ -103,7 +114,11 @@ impl Runner<'_> {
         let behind = filter.applied(times, values);
         let change = match &self.filter_starts {
             Some(starts) => starts[column] - start,
-            None => self.transient_in(column, filter.lag, |k| target(k) - behind[k]),
+            // A filter is behind by what moves during its time constant: an outlier is no start.
+            None => {
+                let most = MOST_BEHIND * filter.lag * slope(times, values);
+                self.transient_in(column, filter.lag, |k| target(k) - behind[k]).clamp(-most, most)
+            }
         };
         for (k, (value, behind)) in values.iter_mut().zip(behind).enumerate() {
             *value = behind + change * self.transient(filter.lag, k);

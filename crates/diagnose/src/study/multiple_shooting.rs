@@ -8,7 +8,7 @@ use super::runner::{Failure, Runner};
 use super::slot::{Slot, WindowFit};
 use super::unknown::is_natural_constant;
 use super::window::{Window, WindowLength, cut, longest_window, stretches};
-use crate::effect::{Change, Effect, Path};
+use crate::effect::Effect;
 use crate::effort::Counter;
 use crate::error::DiagnoseError;
 use crate::record::Record;
@@ -218,7 +218,7 @@ impl Study {
         let most = self.settings.windows.slowest_filter * self.windows_used().seconds;
         let mut effects = effects.to_vec();
         for effect in &mut effects {
-            if !matches!(effect.change, Change::Path { path: Path::SensorLag | Path::DigitalFilter, .. }) {
+            if !effect.is_filter() {
                 continue;
             }
             for c in &mut effect.coefficients {

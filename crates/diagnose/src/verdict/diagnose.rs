@@ -19,7 +19,7 @@ use super::repeats::{Distinct, distinct};
 use super::rivals::rivals;
 use super::scale::{factors, rescaled};
 use super::search::Search;
-use super::select::{Selection, backwards, select};
+use super::select::{Selection, add_all, backwards, select};
 use super::stage::Stage;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
@@ -394,12 +394,20 @@ fn from_short_windows(
     Ok(fit)
 }
 
-/// Whether some pair of candidates promises to bring the residual near the noise.
+/// Whether some pair of candidates promises to bring the residual near the noise, or a delay or a filter does so.
 fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
     let linearized = search.linearized(base, named)?;
     let promised = search.pairs(&linearized, 1).first().map_or(0.0, |p| p.square);
     let reach = search.settings.search.within_reach;
-    Ok(base.square() - promised < reach * reach * base.alarm.floor)
+    let near = |square: f64| square < reach * reach * base.alarm.floor;
+    if near(base.square() - promised) {
+        return Ok(true);
+    }
+    // Secants of delays and filters hold less far than others.
+    let mut late = search.singles(&linearized);
+    late.retain(|promise| promise.candidates.iter().all(|&c| search.candidates[c].is_late()));
+    late.truncate(search.settings.search.most_late);
+    Ok(add_all(search, base, &late).into_iter().flatten().any(|explanation| near(explanation.square())))
 }
 
 /// Share of the excess that an explanation takes away.

@@ -258,7 +258,9 @@ impl<'a> Search<'a> {
         explanation: &Explanation,
         among: &[usize],
     ) -> Result<Arc<Linearized>, DiagnoseError> {
-        let others: Vec<usize> = among.iter().copied().filter(|c| !explanation.members.contains(c)).collect();
+        let beside =
+            |c: usize| explanation.members.iter().all(|&m| m != c && !same_filter([m, c].map(|i| &self.candidates[i])));
+        let others: Vec<usize> = among.iter().copied().filter(|&c| beside(c)).collect();
         let mut key = explanation.members.clone();
         key.sort_unstable();
         if let Some(linearized) = self.linearized.get(&key).filter(|a| a.others == others) {
@@ -341,7 +343,8 @@ impl<'a> Search<'a> {
         let mut best: Vec<Option<PairGain>> = vec![None; n * n];
         for (i, a) in scores.groups.iter().enumerate() {
             for (j, b) in scores.groups.iter().enumerate() {
-                if a.candidate >= b.candidate {
+                let pair = [a.candidate, b.candidate].map(|c| &self.candidates[others[c]]);
+                if a.candidate >= b.candidate || same_filter(pair) {
                     continue;
                 }
                 let columns: Vec<usize> = a.columns.iter().chain(&b.columns).copied().collect();
@@ -450,4 +453,9 @@ fn start(
             (c.name.clone(), value.clamp(c.min, c.max))
         })
         .collect()
+}
+
+/// Whether both are filters of the same columns: one stands for the other.
+fn same_filter([a, b]: [&Effect; 2]) -> bool {
+    a.is_filter() && b.is_filter() && a.equation == b.equation
 }

@@ -93,6 +93,11 @@ fn attempts(
     let near = promises.iter().take_while(|p| p.square >= limits.near_best * top).take(limits.most_single_fits);
     tried.extend(add_all(search, current, near).into_iter().flatten());
     tried.extend(search.with_sign_flips(current));
+    // What is fitted already counts, whatever it promised.
+    let more = |e: &&Explanation| {
+        e.members.len() == current.members.len() + 1 && current.members.iter().all(|m| e.members.contains(m))
+    };
+    tried.extend(search.fitted().filter(more).cloned());
     let reached = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())).unwrap_or(current).clone();
     if room >= 2 {
         let linearized = search.linearized(current, among)?;
