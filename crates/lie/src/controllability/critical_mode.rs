@@ -1,6 +1,8 @@
 //! Feedback at an equilibrium with uncontrollable modes on the imaginary axis, or in the plane.
 
-use bracketry_symbolic::{Expr, FieldElement, Function, Pool, Rational, Real, Symbol};
+use std::cmp::Ordering;
+
+use bracketry_symbolic::{Expr, FieldElement, Function, OrderedField, Pool, Rational, Real, Symbol};
 
 use crate::algebra::combination::{real_combination, symbols};
 use crate::algebra::rational::readable::tidy;
@@ -16,7 +18,7 @@ use crate::linear::matrix::quotient_by_reachable;
 use crate::linear::polynomial::{RealPolynomial, unit};
 use crate::linear::spectrum::Spectrum;
 use crate::linear::taylor::Terms;
-use crate::reason::StabilizableReason;
+use crate::reason::{MinimumPhaseReason, StabilizableReason};
 use crate::undecided::Undecided;
 
 /// Degree of the expansions with one input and with more; most states and inputs.
@@ -71,6 +73,38 @@ fn by_slow_mode(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Opti
     let [Some(above), Some(below)] = curves else { return None };
     let function = mode_function(pool, frame, mode)?;
     Some(StabilizableReason::CriticalMode { function, orders: [above.order, below.order] })
+}
+
+/// Why one mode with the eigenvalue 0, or a pair ±iω, does not attract, where the dynamics of the uncontrollable modes do not depend on the
+/// inputs and the other ones decay: they are those on the center manifold for any feedback that stabilizes what inputs reach.
+pub(crate) fn critical_modes_do_not_attract(
+    pool: &mut Pool,
+    frame: &Frame,
+    evidence: &mut Evidence,
+) -> Option<MinimumPhaseReason> {
+    let (n, m) = (frame.fields.states.len(), frame.fields.controls.len());
+    if n > MAX_STATES || m == 0 || m > MAX_INPUTS {
+        return None;
+    }
+    let (a, b) = exact_matrices(pool, frame, evidence)?;
+    let spectrum = Spectrum::of_reals(&quotient_by_reachable(&a, &b))?;
+    let degree = DEGREE[1];
+    let (on_axis, right) = (spectrum.on_axis, spectrum.right);
+    let field = if right == 0 && on_axis <= 2 { expanded(pool, frame, degree, evidence)? } else { return None };
+    if on_axis == 2 {
+        let (order, l) = CenterPair::of(&field, m)?.focal_value(degree)?;
+        return l.is_positive().then_some(MinimumPhaseReason::FocalValue { order, falls: false });
+    }
+    // With X(s, v), U(s, v) of `SlowEquilibria` at v = 0: the manifold, and the rate, are right up to O(|s β|).
+    let found = SlowEquilibria::of(&field, m, degree)?;
+    let [rate] = &found.rates[..] else { return None };
+    let order = rate.order();
+    let c = rate.coefficient(&unit(1 + m, 0).iter().map(|k| k * order).collect::<Vec<_>>());
+    let falls = c.sign()? == Ordering::Less;
+    if c.is_zero() || falls && order % 2 == 1 {
+        return None;
+    }
+    Some(MinimumPhaseReason::CenterManifold { order: order as usize, falls })
 }
 
 /// The mode w·x; `None` where its coefficients are too long to be shown.

@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
 use crate::controllability::at_equilibrium::AtEquilibrium;
-use crate::controllability::critical_mode::{by_critical_modes, in_the_plane};
+use crate::controllability::critical_mode::{by_critical_modes, critical_modes_do_not_attract, in_the_plane};
 use crate::controllability::growing_form::growing_form;
 use crate::controllability::linearization::{exact_matrices, is_hurwitz, is_linear};
 use crate::controllability::local_accessibility::Frame;
@@ -20,7 +20,7 @@ use crate::feedback::critical::Critical;
 use crate::feedback::zero_dynamics::Set;
 use crate::linear::spectrum::Spectrum;
 use crate::linear::taylor::is_analytic;
-use crate::reason::{Reason, StabilizableReason, StlcReason};
+use crate::reason::{MinimumPhaseReason, Reason, StabilizableReason, StlcReason};
 use crate::undecided::Undecided;
 
 /// Most states of which a Lyapunov function or center manifold is sought.
@@ -56,8 +56,14 @@ pub(crate) fn stabilizable(
         Ok(None) => {}
         Err(why) => return (Answer::Unknown(why.clone().into()), StabilizableReason::Open(why.into())),
     }
-    if at.decays != Answer::Known(true) && stable_by_itself(pool, at.frame, evidence) {
-        return known(true, StabilizableReason::StableByItself);
+    if at.decays != Answer::Known(true) {
+        match by_itself(pool, at.frame, evidence) {
+            Some((true, _)) => return known(true, StabilizableReason::StableByItself),
+            Some((false, why)) if at.inputs.is_empty() => {
+                return known(false, StabilizableReason::QuotientDoesNotAttract(why));
+            }
+            _ => {}
+        }
     }
     if let Some(why) = with_other_inputs(pool, at, evidence) {
         return known(true, why);
@@ -89,6 +95,11 @@ pub(crate) fn stabilizable(
             return known(true, why);
         }
     }
+    if is_autonomous_quotient(at)
+        && let Some(why) = critical_modes_do_not_attract(pool, at.frame, evidence)
+    {
+        return known(false, StabilizableReason::QuotientDoesNotAttract(why));
+    }
     let why = match &at.decays {
         Answer::Unknown(why) => why.clone(),
         // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
@@ -98,20 +109,20 @@ pub(crate) fn stabilizable(
 }
 
 /// Whether the equilibrium is asymptotically stable with the inputs of the point, by terms of higher order than the linearization.
-fn stable_by_itself(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> bool {
+fn by_itself(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Option<(bool, MinimumPhaseReason)> {
     let fields = &frame.fields;
     if fields.states.len() > MAX_STATES {
-        return false;
+        return None;
     }
-    let exact = exact_matrices(pool, frame, evidence);
-    let Some(spectrum) = exact.and_then(|(a, _)| Spectrum::of_reals(&a)) else { return false };
+    let (a, _) = exact_matrices(pool, frame, evidence)?;
+    let spectrum = Spectrum::of_reals(&a)?;
     if spectrum.right > 0 || spectrum.on_axis == 0 {
-        return false;
+        return None;
     }
     let set = Set::of(fields, frame.point(), fields.states.clone());
     let (states, equations) = (&fields.states[..], &fields.drift[..]);
     let critical = Critical { set: &set, states, equations, on_axis: spectrum.on_axis };
-    matches!(critical.decide(pool, evidence), Some((true, _)))
+    critical.decide(pool, evidence)
 }
 
 /// What keeps states near the point from it, whatever the inputs.
@@ -130,11 +141,11 @@ fn obstacle(
     evidence: &mut Evidence,
 ) -> Result<Option<StabilizableReason>, Undecided> {
     let n = at.frame.fields.states.len();
-    let (dimension, strong) = (at.local.dimension.known().copied(), at.local.strong_dimension.known().copied());
+    let dimension = at.local.dimension.known().copied();
     if dimension == Some(at.generic[0]) && at.generic[0] < n {
         return Ok(Some(StabilizableReason::Leaves { dimension: at.generic[0], states: n }));
     }
-    if at.decays == Answer::Known(false) && strong == Some(at.generic[1]) && at.generic[1] == at.rank {
+    if at.decays == Answer::Known(false) && is_autonomous_quotient(at) {
         return Ok(Some(StabilizableReason::UnstableQuotient));
     }
     for region in [Region::All, Region::Above, Region::Below] {
@@ -156,6 +167,11 @@ fn obstacle(
         return Ok(Some(StabilizableReason::Conserved(function)));
     }
     Ok(growing_form(pool, at.frame, evidence))
+}
+
+/// Whether the uncontrollable modes are those of z' = h(z) for coordinates z that no input influences.
+fn is_autonomous_quotient(at: &AtEquilibrium) -> bool {
+    at.local.strong_dimension.known() == Some(&at.generic[1]) && at.generic[1] == at.rank
 }
 
 /// A function that is analytic at the point and that nothing changes, though its gradient vanishes there: a state with another value of it

@@ -3,6 +3,7 @@
 use bracketry_symbolic::{Function, Rational};
 
 use crate::as_text::serialized_as_text;
+use crate::reason::feedback::MinimumPhaseReason;
 use crate::reason::open::Reason;
 use crate::reason::stlc::Monotone;
 use crate::reason::text::{equations, texts};
@@ -33,6 +34,11 @@ pub enum StabilizableReason {
     /// Functions that no input influences move away from their values at the point.
     #[error("functions that no input influences have autonomous dynamics with an unstable linearization")]
     UnstableQuotient,
+    /// Terms of higher order in what no input influences do not attract.
+    #[error(
+        "functions that no input influences have autonomous dynamics, for which the equilibrium is not asymptotically stable: {0}"
+    )]
+    QuotientDoesNotAttract(MinimumPhaseReason),
     /// A is Hurwitz.
     #[error("the linearization is asymptotically stable with the inputs of the point")]
     Stable,
