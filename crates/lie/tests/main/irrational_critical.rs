@@ -105,6 +105,19 @@ const SUMS_OF_EVEN_POWERS: &[(&[&str], bool)] = &[
     (&["A*s0*s1", "-A*s0^2"], false),
 ];
 
+/// Systems in which an input acts on critical modes, with the answer whether feedback stabilizes.
+const WITH_INPUT: &[(&[&str], bool)] = &[
+    (&["u", "A*s0*s1 + B*s1^2"], true),
+    (&["u", "D*s1^3 - A*s0^2*s1"], true),
+    (&["u", "A*s1^2 - B*s0^3*s1"], true),
+    (&["s1", "u", "A*s0*s2 + B*s2^3"], true),
+    (&["u", "s2", "-A*s1 + B*s0*s2"], true),
+    (&["u", "A*s0*s1 - B*s0*s2 + D*s1^2", "B*s0*s1 + A*s0*s2"], true),
+    (&["u", "A*s0^2*s1 + B*s1^3"], false),
+    (&["u", "A*s1 - B*s0^2"], false),
+    (&["u", "A*s1^2 + B*s0^2"], false),
+];
+
 fn choices() -> impl Strategy<Value = Vec<usize>> {
     prop::collection::vec(0usize..24, 12)
 }
@@ -132,6 +145,14 @@ proptest! {
             let moved = moved(&family(dynamics, &choice), false, &choice);
             prop_assert_eq!(moved.minimum_phase(), Some(*attracts), "{:?}", moved.rates);
             prop_assert_eq!(moved.stabilizable(&[]), Some(*attracts), "{:?}", moved.rates);
+        }
+    }
+
+    #[test]
+    fn feedback_acts_on_critical_modes(choice in choices()) {
+        for (dynamics, stabilizes) in WITH_INPUT {
+            let moved = moved(&family(dynamics, &choice), true, &choice);
+            prop_assert_eq!(moved.stabilizable(&["u"]), Some(*stabilizes), "{:?}", moved.rates);
         }
     }
 }
