@@ -91,7 +91,9 @@ pub(crate) fn uncontrollable(
         return Ok(Uncontrollable { roots: Vec::new(), decays: Answer::Known(true), exact: None });
     }
     if let Some((a, b)) = exact_matrices(pool, frame, evidence)
-        && let Some(spectrum) = Spectrum::of_reals(&quotient_by_reachable(&a, &b))
+        && let rest = quotient_by_reachable(&a, &b)
+        && rest.rows().len() + rank == n
+        && let Some(spectrum) = Spectrum::of_reals(&rest)
     {
         let decays = match (spectrum.right, spectrum.on_axis) {
             (0, 0) => Answer::Known(true),
@@ -174,10 +176,11 @@ pub(crate) fn exact_matrices(
 ) -> Option<(Matrix<Real>, Matrix<Real>)> {
     let n = frame.fields.states.len();
     let roots = entries(pool, frame);
-    let mut values = frame.reals(pool, &roots, evidence)?;
-    if n > MAX_IRRATIONAL && values.iter().any(|x| x.rational().is_none()) {
-        return None;
-    }
+    let mut values = if n > MAX_IRRATIONAL {
+        frame.rationals(pool, &roots)?.into_iter().map(Real::from).collect()
+    } else {
+        frame.reals(pool, &roots, evidence)?
+    };
     let b = values.split_off(n * n);
     let matrix = |list: Vec<Real>| Matrix::new(list.chunks(n).map(<[Real]>::to_vec).collect(), n);
     Some((matrix(values), matrix(b)))

@@ -12,7 +12,7 @@ use crate::feedback::critical::Critical;
 use crate::feedback::zero_dynamics::{Set, ZeroDynamics};
 use crate::linear::clusters::{clusters, decay};
 use crate::linear::matrix::Matrix;
-use crate::linear::spectrum::Spectrum;
+use crate::linear::spectrum::{MAX_IRRATIONAL, Spectrum};
 use crate::linear::taylor::reals;
 use crate::reason::{MinimumPhaseReason, Reason};
 use bracketry_numerics::eigen::{balance, eigenvalues};
@@ -176,9 +176,13 @@ impl Set<'_> {
 
     /// The eigenvalues of a square matrix at the point, given by its entries, if they are told exactly.
     fn spectrum(&self, pool: &mut Pool, entries: &[Expr], evidence: &mut Evidence) -> Option<Spectrum> {
-        let entries = self.values_at_point(pool, entries);
-        let values = reals(pool, &entries, evidence)?;
-        let k = values.len().isqrt();
+        let k = entries.len().isqrt();
+        let values = if k > MAX_IRRATIONAL {
+            self.rationals(pool, entries)?.into_iter().map(Real::from).collect()
+        } else {
+            let entries = self.values_at_point(pool, entries);
+            reals(pool, &entries, evidence)?
+        };
         Spectrum::of_reals(&Matrix::new(values.chunks(k.max(1)).map(<[Real]>::to_vec).collect(), k))
     }
 
