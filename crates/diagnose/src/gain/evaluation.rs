@@ -119,7 +119,7 @@ impl Equations {
                     (Path::ActuatorLag, Some(i)) => inputs[i].1 += value,
                     // To first order a filter is a delay by its time constant.
                     (Path::SensorDelay | Path::SensorLag | Path::DigitalFilter, _) => {
-                        columns.push((name.clone(), [value, 0.0, 0.0]))
+                        columns.push((name.clone(), [value, 0.0, 0.0]));
                     }
                     (Path::SensorBias, _) => columns.push((name.clone(), [0.0, value, 0.0])),
                     (Path::SensorDrift, _) => columns.push((name.clone(), [0.0, 0.0, value])),

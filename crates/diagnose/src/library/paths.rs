@@ -129,7 +129,7 @@ impl Builder {
             Path::ActuatorLag => Formula::new(format!("{shown}: {k}*der(y) = u - y"), lagged(&signals, &k, "u")),
             Path::DigitalFilter => {
                 let how = "from sample to sample";
-                let law = Notation::Row(vec![lagged(&signals, &k, "x"), Notation::text(&format!(", {how}"))]);
+                let law = Notation::Row(vec![lagged(&signals, &k, "x"), Notation::text(format!(", {how}"))]);
                 Formula::new(format!("{shown}: {k}*der(y) = x - y, {how}"), law)
             }
             Path::SensorLag => Formula::new(format!("{shown}: {k}*der(y) = x - y"), lagged(&signals, &k, "x")),

@@ -112,13 +112,12 @@ impl Runner<'_> {
         let times = &self.record.times[self.window.from..self.window.to];
         let start = values[0];
         let behind = filter.applied(times, values);
-        let change = match &self.filter_starts {
-            Some(starts) => starts[column] - start,
+        let change = if let Some(starts) = &self.filter_starts {
+            starts[column] - start
+        } else {
             // A filter is behind by what moves during its time constant: an outlier is no start.
-            None => {
-                let most = MOST_BEHIND * filter.lag * slope(times, values);
-                self.transient_in(column, filter.lag, |k| target(k) - behind[k]).clamp(-most, most)
-            }
+            let most = MOST_BEHIND * filter.lag * slope(times, values);
+            self.transient_in(column, filter.lag, |k| target(k) - behind[k]).clamp(-most, most)
         };
         for (k, (value, behind)) in values.iter_mut().zip(behind).enumerate() {
             *value = behind + change * self.transient(filter.lag, k);

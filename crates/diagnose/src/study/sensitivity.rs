@@ -54,7 +54,9 @@ impl Runner<'_> {
             }
         }
         let columns = self.columns();
-        out.iter_mut().for_each(|values| self.through_filters(&columns, values));
+        for values in out {
+            self.through_filters(&columns, values);
+        }
     }
 
     /// Changes of the simulated columns by the initial state and, with `numbers`, by the unknowns of the equations, in order.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_diagnose::{DiagnoseError, Record, RecordSettings};
+use bracketry_diagnose::{DiagnoseError, Record, RecordSettings, Warning};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -35,7 +35,7 @@ impl Rows {
     fn run(&self) -> (Record, String) {
         let record = self.read().unwrap();
         let warnings = &record.audit.as_ref().unwrap().warnings;
-        let text = warnings.iter().map(|w| w.message()).collect::<Vec<_>>().join("; ");
+        let text = warnings.iter().map(Warning::message).collect::<Vec<_>>().join("; ");
         (record, text)
     }
 }
@@ -85,7 +85,9 @@ fn numbers_that_stand_for_lost_values_are_lost() {
     for (seed, mark) in [(2, -9999.0), (3, 32_767.0), (4, 1e30), (5, -999.0), (6, 99_999.0)] {
         let mut rows = Rows::new();
         let at = places(&mut StdRng::seed_from_u64(seed), 6);
-        at.iter().for_each(|&k| rows.0[k][2] = mark);
+        for &k in &at {
+            rows.0[k][2] = mark;
+        }
         let (record, warnings) = rows.run();
         assert_eq!(lost(&record, 1), at, "{mark}: {warnings}");
         assert!(
@@ -133,7 +135,9 @@ fn lost_inputs_are_filled_alone_and_cut_in_rows() {
     let mut random = StdRng::seed_from_u64(7);
     let mut rows = Rows::new();
     let single = places(&mut random, 5);
-    single.iter().for_each(|&k| rows.0[k][1] = f64::NAN);
+    for &k in &single {
+        rows.0[k][1] = f64::NAN;
+    }
     let (record, warnings) = rows.run();
     let exact = Rows::new();
     for k in single {
