@@ -58,7 +58,7 @@ pub use record::Record;
 pub use report::{
     Candidate, Caveat, Closeness, ColumnFault, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note,
     OtherHold, OtherUnit, Outcome, Place, RefittedParameter, Regime, Repetition, Report, Rescaling,
-    ResidualAcceleration, Rival, ScaledColumn, SmallGain, Value, Verdict, VerdictReason, Windows,
+    ResidualAcceleration, Rival, ScaledColumn, SmallGain, Value, Verdict, VerdictReason,
 };
 pub use settings::{
     AlarmSettings, ColumnSettings, ConsistencySettings, DecimationSettings, DiagnosisSettings, EquationSettings,
@@ -68,6 +68,6 @@ pub use settings::{
 };
 pub use signal::{Measured, Quantity, Signal};
 pub use study::{
-    Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, Window, WindowFit, WindowLength,
+    Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, Window, WindowFit, WindowLength, Windows,
 };
 pub use verdict::{Stage, diagnose};

@@ -16,7 +16,7 @@ use crate::formula::Formula;
 use crate::gain::{Gain, HeldOut};
 use crate::numbers::{measured, significant};
 use crate::read::Audit;
-use crate::study::Fit;
+use crate::study::{Fit, Windows};
 
 /// What a diagnosis ended with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -183,15 +183,6 @@ pub struct Excess {
     pub extended: Option<f64>,
     /// Probability of a residual like the refitted model's if there were only noise.
     pub p_value: f64,
-}
-
-/// The windows of a fit, each with an initial state of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Windows {
-    /// Their number.
-    pub count: usize,
-    /// Their median length, s.
-    pub seconds: f64,
 }
 
 /// The result of a diagnosis.

@@ -11,7 +11,7 @@ pub use columns::{ColumnFault, OtherUnit, Rescaling, ScaledColumn};
 pub(crate) use complete::{Fits, intervals};
 pub use diagnosis::{
     Candidate, Evidence, Excess, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival, Value,
-    Verdict, Windows,
+    Verdict,
 };
 pub use note::{Closeness, Flag, Note, Repetition};
 pub use reason::{Caveat, Mispredicted, NoMotion, OtherHold, Outcome, SmallGain, VerdictReason};

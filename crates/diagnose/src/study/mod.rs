@@ -15,6 +15,7 @@ mod normal;
 mod predictor;
 mod runner;
 mod sensitivity;
+mod shown_columns;
 mod signal_path;
 mod slot;
 mod step;
@@ -30,7 +31,7 @@ pub use linearization::{Column, Linearization, Normal};
 pub use multiple_shooting::Study;
 pub use predictor::Predictor;
 pub use slot::WindowFit;
-pub use window::{Window, WindowLength};
+pub use window::{Window, WindowLength, Windows};
 
 pub(crate) use signal_path::lagged;
 pub(crate) use window::{shorter_windows, stretches};

@@ -2,6 +2,7 @@
 
 use crate::record::Record;
 use crate::settings::WindowSettings;
+use serde::Serialize;
 
 /// A stretch of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +49,15 @@ pub(super) fn cut(records: &[Record], length: f64, fewest: usize) -> Vec<Window>
         }
     }
     windows
+}
+
+/// The windows of a fit, each with an initial state of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Windows {
+    /// Their number.
+    pub count: usize,
+    /// Their median length, s.
+    pub seconds: f64,
 }
 
 /// A length that was tried.

@@ -26,9 +26,9 @@ use super::validation::mispredicted;
 use super::{periods, scale, write};
 use crate::effort::Counter;
 use crate::library::{candidates, dictionary};
-use crate::report::{Caveat, Fits, Note, Windows};
+use crate::report::{Caveat, Fits, Note};
 use crate::settings::{DiagnosisSettings, SearchSettings, StudySettings};
-use crate::study::shorter_windows;
+use crate::study::{Windows, shorter_windows};
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
