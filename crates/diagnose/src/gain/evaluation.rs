@@ -81,8 +81,8 @@ pub(super) struct Equations {
     rest: Option<Rest>,
     /// Delay and lag of each input.
     inputs: Vec<(f64, f64)>,
-    /// Name, and delay, offset, and drift, of measured columns.
-    columns: Vec<(String, [f64; 3])>,
+    /// Name, and delay, offset, drift, and time constant of a filter, of measured columns.
+    columns: Vec<(String, [f64; 4])>,
     pub(super) settings: EquationSettings,
 }
 
@@ -117,12 +117,12 @@ impl Equations {
                 match (path, system.input_index(name)) {
                     (Path::InputDelay, Some(i)) => inputs[i].0 += value,
                     (Path::ActuatorLag, Some(i)) => inputs[i].1 += value,
-                    // To first order a filter is a delay by its time constant.
-                    (Path::SensorDelay | Path::SensorLag | Path::DigitalFilter, _) => {
-                        columns.push((name.clone(), [value, 0.0, 0.0]));
+                    (Path::SensorDelay, _) => columns.push((name.clone(), [value, 0.0, 0.0, 0.0])),
+                    (Path::SensorBias, _) => columns.push((name.clone(), [0.0, value, 0.0, 0.0])),
+                    (Path::SensorDrift, _) => columns.push((name.clone(), [0.0, 0.0, value, 0.0])),
+                    (Path::SensorLag | Path::DigitalFilter, _) => {
+                        columns.push((name.clone(), [0.0, 0.0, 0.0, value]));
                     }
-                    (Path::SensorBias, _) => columns.push((name.clone(), [0.0, value, 0.0])),
-                    (Path::SensorDrift, _) => columns.push((name.clone(), [0.0, 0.0, value])),
                     (Path::InputDelay | Path::ActuatorLag, None) => {}
                 }
             }
@@ -291,18 +291,22 @@ impl Equations {
         })
     }
 
-    /// Value, first and second derivative of every measured column, without its delay, offset, and drift, up to a bandwidth in Hz.
+    /// Value, first and second derivative of every measured column, without its delay, offset, drift, and filter, up to a bandwidth
+    /// in Hz. Behind a filter stands y + τ y'; its second derivative, for which the spline is not smooth enough, is taken later by τ instead.
     fn columns(&self, record: &Record, stretch: &Stretch, bandwidth: f64) -> Option<Vec<Vec<[f64; 3]>>> {
         let range = stretch.from..stretch.to;
         let times = &record.times[range.clone()];
         let of_column = |m: &Measured| {
             let paths = self.columns.iter().filter(|path| path.0 == m.name);
-            let [delay, offset, drift] = paths.fold([0.0; 3], |sum, path| [0, 1, 2].map(|k| sum[k] + path.1[k]));
+            let [delay, offset, drift, lag] =
+                paths.fold([0.0; 4], |sum, path| [0, 1, 2, 3].map(|k| sum[k] + path.1[k]));
             let spline = SmoothingSpline::fit(times, &m.values[range.clone()], Bandwidth::Cutoff(bandwidth))?;
             let start = record.times[0];
             let exact = |t: &f64| {
                 let [x, d, dd] = spline.at(t + delay);
-                [x - offset - drift * (t + delay - start), d - drift, dd]
+                let later = if lag > 0.0 { spline.at(t + delay + lag)[2] } else { dd };
+                let (x, d) = (x - offset - drift * (t + delay - start), d - drift);
+                [x + lag * d, d + lag * dd, later]
             };
             Some(times.iter().map(exact).collect())
         };

@@ -332,10 +332,7 @@ pub(super) fn physical_name(effect: &Effect, estimates: &[&Estimate], width: f64
 fn hold_delays(search: &Search<'_>, effect: &Effect, estimates: &[&Estimate]) -> Option<Flag> {
     let Change::Path { path, .. } = &effect.change else { return None };
     let record = search.study.records().first()?;
-    let delayed = matches!(
-        path,
-        Path::InputDelay | Path::ActuatorLag | Path::SensorDelay | Path::SensorLag | Path::DigitalFilter
-    );
+    let delayed = matches!(path, Path::InputDelay | Path::ActuatorLag | Path::SensorDelay);
     if !delayed || !record.inputs.iter().any(|i| i.hold == Hold::Previous) {
         return None;
     }
