@@ -77,8 +77,10 @@ settings! {
         shorter_than: f64 = 0.75,
         /// Long windows are worth a search if a pair of candidates promises a residual of at most this many times the noise.
         within_reach: f64 = 3.0,
-        /// Delays, lags, and filters that are fitted exactly where no pair promises that.
+        /// Delays, lags, and filters that are fitted exactly where no pair promises that …
         most_late: usize = 8,
+        /// … and the share of the excess that each has to promise for it.
+        least_late: f64 = 0.3,
         /// Largest factor by which an amplitude may differ from the secant that it starts from: beyond it the secant is not valid.
         farthest: f64 = 2.0,
         /// How often a fit that diverged starts anew, each time with smaller amplitudes.

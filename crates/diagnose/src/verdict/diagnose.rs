@@ -405,7 +405,10 @@ fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) ->
     }
     // Secants of delays and filters hold less far than others.
     let mut late = search.singles(&linearized);
-    late.retain(|promise| promise.candidates.iter().all(|&c| search.candidates[c].is_late()));
+    let least = search.settings.search.least_late * base.alarm.excess();
+    late.retain(|promise| {
+        promise.square >= least && promise.candidates.iter().all(|&c| search.candidates[c].is_late())
+    });
     late.truncate(search.settings.search.most_late);
     Ok(add_all(search, base, &late).into_iter().flatten().any(|explanation| near(explanation.square())))
 }
