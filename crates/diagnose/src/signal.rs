@@ -32,3 +32,13 @@ pub struct Signal {
     /// How it continues between samples.
     pub hold: Hold,
 }
+
+impl Measured {
+    /// Variance of the values that are there, in the square of the column's unit.
+    pub(crate) fn variance(&self) -> f64 {
+        let known: Vec<f64> = self.values.iter().copied().filter(|v| v.is_finite()).collect();
+        let n = known.len().max(1) as f64;
+        let mean = known.iter().sum::<f64>() / n;
+        known.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n
+    }
+}

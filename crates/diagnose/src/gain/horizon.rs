@@ -6,6 +6,7 @@ use super::trial::Trial;
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::settings::PredictionSettings;
+use crate::signal::Measured;
 use crate::study::{Fit, Predictor, Study, Window};
 
 /// Mean squared errors by model (as given, refitted, extended), in units of the columns' variance, and their number.
@@ -100,7 +101,7 @@ pub(super) fn predict(
     let total: f64 = stretches().map(|w| (seconds(w) - window).max(0.0)).sum();
     let spacing = (total / settings.most_predictions as f64).max(0.1 * shortest);
     let variances: Vec<Vec<f64>> =
-        records.iter().map(|r| r.measured.iter().map(|m| variance(&m.values)).collect()).collect();
+        records.iter().map(|r| r.measured.iter().map(Measured::variance).collect()).collect();
     let mut drawn: Vec<Predicted> = Vec::new();
     for trial in trials {
         let list: Vec<Ahead> = trial
@@ -169,11 +170,4 @@ fn add(found: &mut [AtHorizon], record: &Record, variances: &[f64], predicted: &
         }
         h.predictions += usize::from(any);
     }
-}
-
-fn variance(values: &[f64]) -> f64 {
-    let known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    let n = known.len().max(1) as f64;
-    let mean = known.iter().sum::<f64>() / n;
-    known.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n
 }

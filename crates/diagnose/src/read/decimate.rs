@@ -81,14 +81,6 @@ fn is_straight(record: &Record, every: usize, settings: &DecimationSettings) -> 
             }
         }
         let off = (square / f64::max(count, 1.0)).sqrt();
-        off <= (settings.beyond_noise * m.noise).max(settings.share_of_spread * spread(&m.values))
+        off <= (settings.beyond_noise * m.noise).max(settings.share_of_spread * m.variance().sqrt())
     })
-}
-
-/// Standard deviation of the values that are there.
-fn spread(values: &[f64]) -> f64 {
-    let known = || values.iter().copied().filter(|v| v.is_finite());
-    let count = known().count().max(1) as f64;
-    let mean = known().sum::<f64>() / count;
-    (known().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt()
 }
