@@ -29,7 +29,7 @@ pub enum Claim {
         function: MultivariatePolynomial,
     },
     /// V is positive definite and radially unbounded, and −∇V·f is a sum of squares. Where no motion but rest stays in the set on which
-    /// it vanishes, V proves attraction, too (Barbashin and Krasovskii, LaSalle).
+    /// it vanishes, V proves attraction, too (Barbashin and Krasovskii 1952, LaSalle 1960).
     Lyapunov {
         /// V.
         function: MultivariatePolynomial,

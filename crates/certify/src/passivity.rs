@@ -13,7 +13,7 @@ use crate::reason::CertificateReason;
 use crate::sum_of_squares::program::{AffinePolynomial, MAX_UNKNOWNS, Program, Unsolved};
 
 /// A storage function of degree at most `largest` for the inputs and outputs in their order: S ≥ 0, ∇S·f ≤ 0, ∇S·g = h (Hill and
-/// Moylan, IEEE Trans. Autom. Control 21 (1976) 708–711).
+/// Moylan 1976).
 pub(crate) fn storage(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, CertificateReason> {
     let (m, p) = (model.inputs.len(), model.output_names.len());
     if m == 0 || m != p {

@@ -122,8 +122,8 @@ fn step_length(x: &DMatrix<f64>, d: &DMatrix<f64>) -> f64 {
 }
 
 impl Problem {
-    /// Solves the program from an infeasible start (predictor and corrector of Mehrotra, direction of Helmberg, Rendl,
-    /// Vanderbei and Wolkowicz, SIAM J. Optim. 6 (1996) 342–361, of Kojima et al. and Monteiro). The best point so far where it
+    /// Solves the program from an infeasible start (predictor and corrector of Mehrotra 1992, direction of Helmberg, Rendl,
+    /// Vanderbei, and Wolkowicz 1996, of Kojima, Shindoh, and Hara 1997, and of Monteiro 1997). The best point so far where it
     /// makes no progress any more; `None` where the limit was reached, or no step is possible.
     pub(crate) fn solve(&self, limit: &Limit) -> Option<Solution> {
         let free_count = self.cost.len();

@@ -27,7 +27,7 @@ pub struct Riccati {
 /// Solves P = AᵀPA − (AᵀPB + S)(R + BᵀPB)⁻¹(BᵀPA + Sᵀ) + Q, the infinite horizon of x⁺ = Ax + Bu with the cost
 /// Σ xᵀQx + 2xᵀSu + uᵀRu.
 ///
-/// Structure-preserving doubling (E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, Int. J. Control 77, 2004), quadratically
+/// Structure-preserving doubling (Chu, Fan, Lin, and Wang 2004), quadratically
 /// convergent.
 ///
 /// ```

@@ -1,6 +1,5 @@
 //! Rules of quadrature on [0, 1], and the Runge–Kutta methods of collocation at their nodes. Their coefficients follow from the nodes
-//! alone: a_ij = ∫₀^{c_i} ℓ_j, b_j = ∫₀¹ ℓ_j with the Lagrange polynomials ℓ_j (Hairer and Wanner, *Solving Ordinary Differential
-//! Equations II*, section IV.5).
+//! alone: a_ij = ∫₀^{c_i} ℓ_j, b_j = ∫₀¹ ℓ_j with the Lagrange polynomials ℓ_j (Hairer and Wanner 1996, section IV.5).
 
 use nalgebra::DMatrix;
 
@@ -41,7 +40,7 @@ pub struct Transformed {
     pub inverse: [[f64; 3]; 3],
 }
 
-/// The eigenvalues of the inverse of [`RADAU_3`] (Hairer and Wanner, section IV.8).
+/// The eigenvalues of the inverse of [`RADAU_3`] (Hairer and Wanner 1996, section IV.8).
 pub const RADAU_3_TRANSFORMED: Transformed = Transformed {
     real: 3.637_834_252_744_496,
     alpha: 2.681_082_873_627_752_3,

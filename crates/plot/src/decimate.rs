@@ -28,8 +28,8 @@ pub(crate) fn decimate(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
     kept
 }
 
-/// Leaves out the points of a polyline that lie within `tolerance` of the line through the kept ones (Ramer, Douglas
-/// and Peucker), so that smooth lines take few points.
+/// Leaves out the points of a polyline that lie within `tolerance` of the line through the kept ones (Ramer 1972,
+/// Douglas and Peucker 1973), so that smooth lines take few points.
 pub(crate) fn simplify(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     let Some(last) = points.len().checked_sub(1) else {
         return Vec::new();

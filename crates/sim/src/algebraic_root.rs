@@ -35,9 +35,9 @@ pub enum NoRootReason {
 
 /// The solution of algebraic equations that belongs to a branch.
 ///
-/// Newton's method with exact derivatives, damped by the natural monotonicity test (Deuflhard, Newton Methods for Nonlinear Problems,
-/// section 3.3), starts from the last solution and, if that fails, from the guess. The first solution selects the branch. Where
-/// branches meet, ∂g/∂z is singular, so that its determinant keeps its sign on a branch; a solution with another sign is refused.
+/// Newton's method with exact derivatives, damped by the natural monotonicity test (Deuflhard 2004, section 3.3), starts from the
+/// last solution and, if that fails, from the guess. The first solution selects the branch. Where branches meet, ∂g/∂z is singular,
+/// so that its determinant keeps its sign on a branch; a solution with another sign is refused.
 #[derive(Clone, Debug)]
 pub struct AlgebraicRoot {
     guess: Vec<f64>,

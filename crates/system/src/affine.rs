@@ -139,7 +139,7 @@ impl System {
 
     /// Makes the system affine in its inputs by the candidate that adds the fewest states: as written if possible, else by
     /// new inputs v = w(u) or v = w(x, u), else by the least number of integrators in front of inputs
-    /// (Nijmeijer & van der Schaft 1990, sec. 6.1: the extended system), if need be together with new inputs for the
+    /// (Nijmeijer and van der Schaft 1990, sec. 6.1: the extended system), if need be together with new inputs for the
     /// others.
     ///
     /// A system that uses derivatives of inputs keeps its states and the chain of derivatives of each input; further

@@ -1,4 +1,4 @@
-//! Enclosures of expressions on boxes: floating-point intervals, rounded outward (Moore 1966, Interval Analysis).
+//! Enclosures of expressions on boxes: floating-point intervals, rounded outward (Moore 1966).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

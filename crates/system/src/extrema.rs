@@ -1,5 +1,5 @@
 //! Least and greatest values of continuous functions on boxes, by branch and bound with enclosures of value and gradient
-//! (Hansen and Walster 2004, Global Optimization Using Interval Analysis, ch. 12).
+//! (Hansen and Walster 2004, ch. 12).
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

@@ -84,8 +84,9 @@ fn surrounds_origin(points: &[Vec<f64>]) -> bool {
     })
 }
 
-/// Whether the convex hull comes nearer than `near` to `target`, by the method of Frank and Wolfe: each step goes from the
-/// best combination so far toward the farthest point in the direction of the target. False also where that is not seen.
+/// Whether the convex hull comes nearer than `near` to `target`, by the method of Frank and Wolfe (1956): each step goes
+/// from the best combination so far toward the farthest point in the direction of the target. False also where that is not
+/// seen.
 fn hull_comes_near(points: &[Vec<f64>], target: &[f64], near: f64) -> bool {
     const STEPS: usize = 3000;
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();

@@ -2,8 +2,8 @@
 //!
 //! No change z = T(x) of the state alone makes equations affine in the inputs that were not so before, for z' = DT f(x,
 //! u) is affine in u if and only if f is. Where derivatives of inputs enter, though, a change z = T(x, u, …) can remove the
-//! highest ones and with them integrators, as z = x − b u does for x' = a(x) + b u' (Freedman and Willems, IEEE Trans.
-//! Automat. Control 23, 1978; Delaleau and Respondek, J. Math. Syst. Estim. Control 5, 1995).
+//! highest ones and with them integrators, as z = x − b u does for x' = a(x) + b u' (Freedman and Willems 1978; Delaleau
+//! and Respondek 1995).
 
 use bracketry_symbolic::{Expr, Func, Function, Pool, Symbol};
 use rustc_hash::FxHashMap;

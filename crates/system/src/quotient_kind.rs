@@ -8,7 +8,7 @@
 //! ```
 //!
 //! is nowhere negative near σ = 0, and does not vanish with |σ|. This is what friction does to a velocity σ: it brings σ to
-//! zero in finite time, and holds it there (Filippov 1988, *Differential Equations with Discontinuous Righthand Sides*, §15).
+//! zero in finite time, and holds it there (Filippov 1988, §15).
 //! The direction of a spring acts on the rate of another quantity than the length it is the direction of: the motion passes
 //! σ = 0 and never stays. Drag `c*|v|*v` acts against v, but vanishes with it. Both are smooth.
 //!

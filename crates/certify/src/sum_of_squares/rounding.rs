@@ -25,7 +25,7 @@ const DIGITS: [i32; 6] = [2, 3, 4, 6, 9, 13];
 
 /// The Gram matrix next to a numerical one that gives the polynomial exactly: each entry is rounded, and what then is missing
 /// of a coefficient is distributed evenly over the entries that belong to it, which is the orthogonal projection (Peyrl and
-/// Parrilo, Theor. Comput. Sci. 409 (2008) 269–281). `None` where it is not positive semidefinite.
+/// Parrilo 2008). `None` where it is not positive semidefinite.
 fn projected(p: &MultivariatePolynomial, c: &Constraint, q: &DMatrix<f64>, digits: i32) -> Option<Gram> {
     let n = c.basis.len();
     let entries = rounded(q.as_slice(), digits);

@@ -39,7 +39,7 @@ impl HallElement {
 /// A Philip Hall basis of the free Lie algebra on some generators, up to a length or to given degrees.
 ///
 /// Its elements, in order of length, are the generators and those `[a, b]` with `a < b` where `b` is a
-/// generator or `b = [c, d]` with `c ≤ a` (M. Hall 1950; Serre, *Lie algebras and Lie groups*, IV.5).
+/// generator or `b = [c, d]` with `c ≤ a` (M. Hall 1950; Serre 1965, IV.5).
 /// Every bracket of the generators is a combination of elements with the same degrees, with integer
 /// coefficients, and in the free algebra the elements are independent: whatever identity holds among brackets of
 /// one system beyond antisymmetry and Jacobi's comes from the system.
@@ -197,7 +197,7 @@ impl HallBasis {
     }
 }
 
-/// Number of elements of length `n` in a Hall basis on `generators` letters: Witt's formula
+/// Number of elements of length `n` in a Hall basis on `generators` letters: Witt's formula (1937)
 /// `1/n Σ_{d | n} μ(d) m^(n/d)`; `None` where it does not fit.
 ///
 /// ```

@@ -1,9 +1,9 @@
 //! Closures under brackets of linear systems.
 //!
 //! For x' = A x + d + B u with constant A, d, and B, all brackets of the constant input fields vanish, and [f, b] = −A b. So the strong
-//! accessibility distribution is the smallest A-invariant subspace that contains the columns of B (Kalman 1960), and the accessibility
-//! distribution is spanned by it and the drift. Ranks are those of matrices of numbers, which are taken modulo a prime, one new vector at a
-//! time.
+//! accessibility distribution is the smallest A-invariant subspace that contains the columns of B (Kalman 1960, *On the general theory of
+//! control systems*), and the accessibility distribution is spanned by it and the drift. Ranks are those of matrices of numbers, which are
+//! taken modulo a prime, one new vector at a time.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

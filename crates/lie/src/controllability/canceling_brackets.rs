@@ -31,8 +31,8 @@ const MAX_INPUTS: usize = 6;
 /// STLC is not changed by linear changes of the inputs, but which brackets are bad is. With
 /// S = L diag(s) Lᵀ the sum is, for k = 0, Σ S_ij [g_i, [f, g_j]]; a positive definite S for which it lies in
 /// the span exists just when no combination of those brackets across the span is semidefinite
-/// (compare the second-order conditions of Bianchini and Stefani, Hirschorn and Lewis, Basto-Gonçalves). S is found
-/// by alternating projections, rounded, and the conditions are then tested exactly.
+/// (compare the second-order conditions of Bianchini and Stefani 1993, Basto-Gonçalves 1998, and Hirschorn and Lewis 2002). S
+/// is found by alternating projections, rounded, and the conditions are then tested exactly.
 pub(crate) fn canceling(
     pool: &mut Pool,
     frame: &Frame,

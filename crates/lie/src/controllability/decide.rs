@@ -26,10 +26,10 @@ const FEW_NODES: usize = 5_000;
 /// A "yes" holds for every bound, however small, and a "no" for every bound, however large.
 ///
 /// - not an equilibrium and f(x0) outside span g(x0): no (bounded inputs cannot hold the state);
-/// - dimension at x0 not full: no (the orbit is a lower-dimensional manifold, Nagano–Sussmann);
+/// - dimension at x0 not full: no (the orbit is a lower-dimensional manifold, Nagano 1966, Sussmann 1973);
 /// - controllable linearization: yes;
 /// - an invariant half-space: no (see [`half_space`]);
-/// - no drift and full dimension: yes (Chow–Rashevskii);
+/// - no drift and full dimension: yes (Rashevskii 1938, Chow 1939);
 /// - Sussmann's general condition, also after a change of the inputs: yes;
 /// - f odd and the inputs' fields even about the point: yes (see [`is_odd`]);
 /// - one input: no where Stefani's necessary condition fails (see [`stefani`]);

@@ -23,7 +23,7 @@ const MAX_WEIGHT: f64 = 1e6;
 ///
 /// An input without bounds moves the state along its field g in no time, there and back: e^(−τ g) e^(t f) e^(τ g) is the
 /// flow of the field f(· + τ g), for a constant g, so that all these fields can be followed, as can ±g and all positive
-/// combinations (the strong Lie saturate, Jurdjevic 1997, Geometric Control Theory, ch. 3; Jurdjevic and Kupka 1981).
+/// combinations (the strong Lie saturate, Jurdjevic 1997, ch. 3; Jurdjevic and Kupka 1981).
 /// If they surround 0 at the point, a neighborhood is reached in every time T > 0. They are taken at some τ; that they
 /// surround 0 is an open condition, which numbers with a margin decide. `false` says nothing.
 pub(crate) fn surrounded_by_jumps(pool: &mut Pool, frame: &Frame, set: &InputSet<'_>, inputs: &[Expr]) -> bool {

@@ -124,7 +124,7 @@ fn prolonged(pool: &mut Pool, frame: &Frame, sides: &[Option<Side>], counts: &[u
 }
 
 /// Whether f is odd and every g_i even about the point, both smooth. Brackets of f and an even number of g_i vanish there,
-/// so that no bad bracket is left (Brunovský 1974, Local controllability of odd systems; Sussmann 1987).
+/// so that no bad bracket is left (Brunovský 1974; Sussmann 1987).
 pub(crate) fn is_odd(pool: &mut Pool, frame: &Frame) -> bool {
     let fields = &frame.fields;
     let mut all = fields.drift.clone();

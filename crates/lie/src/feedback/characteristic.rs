@@ -12,7 +12,7 @@ use crate::undecided::Undecided;
 impl VectorFields {
     /// Of two inputs, the combinations Y = α_1(x) g_1 + α_2(x) g_2 for which [Y, [f, Y]] lies in D_1 = span{g_i, [f, g_i]}, as far
     /// as the derivatives of α along the inputs do not count: functions that g_1, g_2 and [f, Y] keep constant are candidates
-    /// for flat outputs, as the center of oscillation of a rigid body is (Martin, Devasia and Paden 1996). They do not depend
+    /// for flat outputs, as the center of oscillation of a rigid body is (Martin, Devasia, and Paden 1996). They do not depend
     /// on the choice of the inputs: α are the zeros of a quadratic form. Empty if D_1 has not four dimensions, or a zero is
     /// not written out.
     pub(crate) fn characteristic_inputs(

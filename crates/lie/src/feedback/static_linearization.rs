@@ -30,7 +30,7 @@ impl LinearizationFlag {
     /// Whether static feedback and a change of coordinates make the system linear and
     /// controllable near a generic point.
     ///
-    /// Jakubczyk–Respondek 1980, Hunt–Su–Meyer 1983: D_0 … D_{n−2} are involutive and dim D_{n−1} = n.
+    /// Jakubczyk and Respondek 1980; Hunt, Su, and Meyer 1983: D_0 … D_{n−2} are involutive and dim D_{n−1} = n.
     pub fn linearizable(&self) -> bool {
         self.dims.last() == Some(&self.states) && self.involutive.iter().all(|&i| i)
     }

@@ -24,7 +24,7 @@ struct Internal {
 
 impl Frame {
     /// `ξ_(i,k)' = ξ_(i,k+1)`, `ξ_(i,r_i)' = b_i(ξ, η) + Σ a_ij(ξ, η) u_j`, `η' = q(ξ, η) + p(ξ, η) u` (Byrnes and Isidori
-    /// 1985; Isidori 1995, sec. 5.1), with p = 0 where the distribution of the inputs is involutive and the functions
+    /// 1988; Isidori 1995, sec. 5.1), with p = 0 where the distribution of the inputs is involutive and the functions
     /// constant along it are found.
     pub(crate) fn byrnes_isidori(&mut self) -> Result<NormalForm, Stop> {
         let degrees = self.square_relative_degree()?;

@@ -64,7 +64,7 @@ impl Field {
         field.is_prime().then_some(field)
     }
 
-    /// The test of Miller and Rabin, with bases that decide for all numbers of 64 bits (Sorenson and Webster 2017).
+    /// The test of Miller (1976) and Rabin (1980), with bases that decide for all numbers of 64 bits (Sorenson and Webster 2017).
     fn is_prime(&self) -> bool {
         let n = self.prime;
         if n.is_multiple_of(2) {

@@ -132,7 +132,7 @@ fn square_root(x: &Rational) -> Option<Rational> {
     (&root * &root == *x).then_some(root)
 }
 
-/// Yun's factors p_k with p = c Π p_k^k, those of degree 0 left out.
+/// Yun's factors (1976) p_k with p = c Π p_k^k, those of degree 0 left out.
 fn square_free_factors<C: Coefficient>(p: &UnivariatePolynomial<C>) -> Vec<(usize, UnivariatePolynomial<C>)> {
     let mut factors = Vec::new();
     if p.degree() == 0 {
@@ -208,8 +208,8 @@ fn simple_roots<C: Coefficient>(p: &UnivariatePolynomial<C>) -> Option<(Vec<Root
     Some((roots, is_exact))
 }
 
-/// The roots of a polynomial all of whose roots are simple: real ones by bisection, the others by the iteration of
-/// Ehrlich and Aberth from the eigenvalues of the companion matrix, with p/p' from exact values.
+/// The roots of a polynomial all of whose roots are simple: real ones by bisection, the others by the iteration of Ehrlich (1967) and
+/// Aberth (1973) from the eigenvalues of the companion matrix, with p/p' from exact values.
 fn roots_of_rational(p: &UnivariatePolynomial) -> Vec<Root> {
     let real = p.roots();
     let mut roots: Vec<Root> =

@@ -70,8 +70,8 @@ impl Quadruple {
         Some(self)
     }
 
-    /// The finite λ at which [A − λ, B; C, D] loses rank, by the reduction of Emami-Naeini and Van Dooren (Automatica 18,
-    /// 1982), which orthogonal matrices alone make. `None` where a decomposition does not converge.
+    /// The finite λ at which [A − λ, B; C, D] loses rank, by the reduction of Emami-Naeini and Van Dooren (1982), which orthogonal
+    /// matrices alone make. `None` where a decomposition does not converge.
     pub(crate) fn zeros(self) -> Option<Vec<(f64, f64)>> {
         self.balanced().zeros_as_scaled()
     }

@@ -2,7 +2,7 @@
 //!
 //! At time zero the values come from a random point of a prime field, at which exponentials, sines, and roots keep
 //! their relations. Each further coefficient follows from the ones before: products by convolution, quotients from
-//! a·(1/a) = 1, and a function b = f(a) from b' = f'(a) a' (Knuth, The Art of Computer Programming 2, section 4.7).
+//! a·(1/a) = 1, and a function b = f(a) from b' = f'(a) a' (Knuth 1998, section 4.7).
 
 use bracketry_symbolic::Residue;
 
@@ -77,7 +77,7 @@ impl<'a, const C: u64> Expansion<'a, C> {
         Ok(e)
     }
 
-    /// The same uniform input for the same seed (SplitMix64: Steele, Lea and Flood 2014).
+    /// The same uniform input for the same seed (SplitMix64: Steele, Lea, and Flood 2014).
     fn random(&mut self) -> Residue<C> {
         self.input = self.input.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.input;

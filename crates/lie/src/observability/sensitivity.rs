@@ -4,7 +4,7 @@
 //! the span of the differentials of the outputs' time derivatives over the functions of states, parameters, inputs,
 //! and derivatives of inputs. Once a further derivative of all outputs adds nothing to the span, none ever does, so
 //! at most as many are needed as there are unknowns. The span is taken at a random point modulo a prime, from power
-//! series of states and sensitivities (Sedoglavic 2002, Journal of Symbolic Computation 33, 735–755).
+//! series of states and sensitivities (Sedoglavic 2002).
 //!
 //! A rank modulo a prime is never too large. Where it is not full, a second prime has to give the same answers.
 

@@ -8,10 +8,8 @@ use crate::error::{MpcError, check_value};
 /// e_k = e_{k−1} + h_k (u_k − v_k)        v_k: the value closest to u_k + e_{k−1}/h_k
 /// ```
 ///
-/// With two values this is the sum-up rounding of S. Sager ("Numerical Methods for Mixed-Integer Optimal Control Problems", 2005; S. Sager,
-/// H. G. Bock, M. Diehl, "The integer approximation error in mixed-integer optimal control", Mathematical Programming 133, 2012).
-/// Inputs between the smallest and the largest value, over intervals of the same length h, give |e_k| ≤ h·g/2 with the largest gap g
-/// between neighboring values.
+/// With two values this is the sum-up rounding of Sager (2005) and of Sager, Bock, and Diehl (2012). Inputs between the smallest and the
+/// largest value, over intervals of the same length h, give |e_k| ≤ h·g/2 with the largest gap g between neighboring values.
 ///
 /// ```
 /// use bracketry_mpc::controller::SumUpRounding;

@@ -19,8 +19,7 @@ const DISTRUST: usize = 10;
 /// that act against it are frozen: nothing can be learned of them, and the creep of smoothed friction would make them drift.
 /// When the measurements contradict sticking, they are released.
 ///
-/// Source: R. F. Stengel, Optimal Control and Estimation, ch. 4; parameters that are considered but not estimated: S. F.
-/// Schmidt, Application of state-space methods to navigation problems, 1966.
+/// Source: Stengel 1994, ch. 4; parameters that are considered but not estimated: Schmidt 1966.
 ///
 /// ```
 /// use bracketry_mpc::estimation::{Estimator, EstimationProblem, ExtendedKalman, MeasuredOutput};

@@ -60,8 +60,7 @@ struct Node {
 /// ζ. A filter goes ahead of the horizon: it gives the guess for the newest point, the standard deviations, and the estimate
 /// when the program fails.
 ///
-/// Source: P. Kühl, M. Diehl, T. Kraus, J. P. Schlöder, H. G. Bock, A real-time algorithm for moving horizon state and
-/// parameter estimation, Computers & Chemical Engineering 35 (2011).
+/// Source: Kühl, Diehl, Kraus, Schlöder, and Bock 2011.
 pub struct MovingHorizon {
     head: ExtendedKalman,
     settings: MovingHorizonSettings,

@@ -54,8 +54,7 @@ pub struct SteadyTarget {
 /// for the estimated parameters p and disturbances d. Dry friction gives nothing at rest: u is the middle of the inputs that
 /// hold the state.
 ///
-/// Source: K. R. Muske, J. B. Rawlings, Model predictive control with linear models, AIChE Journal 39 (1993); G. Pannocchia,
-/// J. B. Rawlings, Disturbance models for offset-free model-predictive control, AIChE Journal 49 (2003).
+/// Source: Muske and Rawlings 1993; Pannocchia and Rawlings 2003.
 pub struct TargetCalculator {
     sqp: Sqp,
     guess: PlannedTrajectory,

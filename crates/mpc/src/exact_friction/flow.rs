@@ -3,8 +3,8 @@
 //! Between events the classical Runge–Kutta method of order 4 integrates the field with fixed signs; where a switching
 //! function stays zero, its sign solves σ̇ = 0 (Filippov). An event is a sliding σ that reaches zero or a sticking sign that
 //! leaves [−1, 1]. The derivative S of the state with respect to start and input jumps where the field does (saltation):
-//! S⁺ = S⁻ + (f⁻ − f⁺)·∂τ, ∂τ = −∇σ·S⁻/σ̇⁻; see R. I. Leine and H. Nijmeijer, Dynamics and Bifurcations of Non-Smooth
-//! Mechanical Systems, 2004. On a sticking surface ∇σ·S = 0: what sticks forgets how it came there.
+//! S⁺ = S⁻ + (f⁻ − f⁺)·∂τ, ∂τ = −∇σ·S⁻/σ̇⁻; see Leine and Nijmeijer 2004. On a sticking surface ∇σ·S = 0: what sticks forgets
+//! how it came there.
 
 use super::switched_field::SwitchedField;
 use crate::integrator::Interval;

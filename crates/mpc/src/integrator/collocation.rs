@@ -160,8 +160,8 @@ impl Collocation {
         }
     }
 
-    /// Newton's method for the stages of one step, damped by the natural monotonicity test (Deuflhard, Newton Methods for
-    /// Nonlinear Problems, section 3.3): the next correction, with the same Jacobian, must become smaller.
+    /// Newton's method for the stages of one step, damped by the natural monotonicity test (Deuflhard 2004, section 3.3): the
+    /// next correction, with the same Jacobian, must become smaller.
     fn solve(&mut self, dynamics: &mut dyn Dynamics, t: f64, x: &[f64], u: &[f64], h: f64) -> bool {
         let size = x.iter().fold(1e-6, |m: f64, v| m.max(v.abs()));
         let largest =

@@ -103,7 +103,7 @@ fn a_stiff_oscillator_is_followed_at_steps_where_the_explicit_method_fails() {
 
 #[test]
 fn chemical_kinetics_reach_their_published_state() {
-    // Robertson's problem at t = 40 (Hairer and Wanner II, section IV.10): rate constants over nine decades.
+    // Robertson's problem at t = 40 (Hairer and Wanner 1996, section IV.10): rate constants over nine decades.
     let text = r#"
         states = ["a", "b", "c"]
         inputs = ["u"]

@@ -1,8 +1,8 @@
 //! Norms √(Σ c r²) in a cost, which have no derivative where they vanish.
 //!
 //! For the solvers, each becomes √(Σ c r² + ρ²), with a width ρ that is a share of the norm's typical size. The quadratic programs model it by
-//! (Σ c r² + ρ²)/(2 s) + s/2, with s its value at the iterate: a bound from above that touches it there (E. Weiszfeld, Tohoku Math. J. 43,
-//! 1937). A step in this model ends where the norm vanishes instead of far beyond.
+//! (Σ c r² + ρ²)/(2 s) + s/2, with s its value at the iterate: a bound from above that touches it there (Weiszfeld 1937). A step in this
+//! model ends where the norm vanishes instead of far beyond.
 
 use super::cost_parts::squares_of;
 use super::norm_widths::Widths;

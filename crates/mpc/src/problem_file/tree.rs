@@ -2,9 +2,7 @@
 //!
 //! With C combinations of uncertain parameters and a robust horizon of r intervals there are C^r branches. In the branch with the
 //! digits c_0 … c_{r−1} to the base C, combination c_k holds over interval k, and c_{r−1} after the last of them. Branches with the
-//! same c_0 … c_{k−1} have the same past at grid point k, and so the same input over interval k (S. Lucia, T. Finkler, S. Engell,
-//! "Multi-stage nonlinear model predictive control applied to a semi-batch polymerization reactor under uncertainty", Journal of
-//! Process Control 23, 2013).
+//! same c_0 … c_{k−1} have the same past at grid point k, and so the same input over interval k (Lucia, Finkler, and Engell 2013).
 
 use crate::ocp::{Branching, Remembered};
 use bracketry_symbolic::{Expr, Pool, Rational};

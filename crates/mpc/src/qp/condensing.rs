@@ -8,9 +8,8 @@
 //!
 //! Which products have to be added where depends on the structure alone, so it is worked out once, as a list of operations
 //! `work[to] += work[from]·coefficient[by]`, and replayed with every new set of numbers. Going from the end of the horizon to
-//! its start this is the backward recursion of condensing, with O(N²) operations (J. Frison, J. B. Jørgensen, "A fast
-//! condensing method for solution of linear-quadratic control problems", CDC 2013), and it serves partial condensing (D.
-//! Axehill, "Controlling the level of sparsity in MPC", Systems & Control Letters 76, 2015) and single states just as well.
+//! its start this is the backward recursion of condensing, with O(N²) operations (Frison and Jørgensen 2013), and it serves
+//! partial condensing (Axehill 2015) and single states just as well.
 
 use super::backend::StageSolution;
 use super::program::StageProgram;

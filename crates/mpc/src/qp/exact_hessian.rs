@@ -8,11 +8,10 @@
 //! ½ sᵀ P_{k+1} s − ½ dx_{k+1}ᵀ P_{k+1} dx_{k+1},    s = A_k dx_k + B_k du_k + c_k
 //! ```
 //!
-//! is added, with P_k the Schur complement of the inputs' block less a small multiple of 1 (R. Verschueren, M. Zanon, R.
-//! Quirynen, M. Diehl, "A sparsity preserving convexification procedure for indefinite quadratic programs arising in direct
-//! optimal control", SIAM J. Optim. 27, 2017). A program whose Hessian is positive definite in the directions that obey the
-//! dynamics becomes convex with the same solution. Where it is not, as far from a solution, the exact blocks are moved toward
-//! those of the Gauss–Newton program until it is, or, where that has no curvature to speak of, some is added to every variable.
+//! is added, with P_k the Schur complement of the inputs' block less a small multiple of 1 (Verschueren, Zanon, Quirynen, and Diehl
+//! 2017). A program whose Hessian is positive definite in the directions that obey the dynamics becomes convex with the same
+//! solution. Where it is not, as far from a solution, the exact blocks are moved toward those of the Gauss–Newton program until it
+//! is, or, where that has no curvature to speak of, some is added to every variable.
 //!
 //! Directions in which active bounds hold the solution need no curvature of the Lagrangian: each adds its multiplier over its
 //! distance, as the barrier of an interior-point method does. That changes nothing where the bound stays active, and only
@@ -39,8 +38,7 @@ const BLENDS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 /// Curvature of the Gauss–Newton program, relative to that of the exact one, below which it offers none.
 const FLAT: f64 = 1e-6;
 /// Curvature that is added to every variable then, relative to the largest of all: the first that is tried, the largest, and the
-/// factors from try to try and from program to program (inertia correction of A. Wächter, L. T. Biegler, Math. Programming 106,
-/// 2006).
+/// factors from try to try and from program to program (inertia correction of Wächter and Biegler 2006).
 const FIRST_SHIFT: f64 = 1e-6;
 const LARGEST_SHIFT: f64 = 1e2;
 const GROWTH: f64 = 8.0;

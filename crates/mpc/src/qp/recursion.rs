@@ -34,8 +34,7 @@ impl Shape {
 /// ```
 ///
 /// by the Riccati recursion: the inputs of a stage are eliminated from M_j + F_jᵀ P_{j+1} F_j by Cholesky's method, and P_j is what is left.
-/// The Hessian on the directions that obey the dynamics is positive definite if and only if every pivot is (J. C. Dunn, D. P. Bertsekas,
-/// J. Optim. Theory Appl. 63, 1989).
+/// The Hessian on the directions that obey the dynamics is positive definite if and only if every pivot is (Dunn and Bertsekas 1989).
 ///
 /// Every function takes F_j with c_j in the last column, n rows at the stride of the stage.
 pub(crate) struct Recursion {

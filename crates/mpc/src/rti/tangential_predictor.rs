@@ -3,7 +3,7 @@
 //! With the set of active inequalities held, the solution is linear in the initial state, and a Riccati recursion gives its
 //! gains du_k = K_k dx_k. Active inequalities are stiff springs in it.
 //!
-//! Zavala and Biegler, *The advanced-step NMPC controller: optimality, stability and robustness*, Automatica 45 (2009).
+//! Source: Zavala and Biegler 2009.
 
 use crate::ocp::{CostFunction, CostPoint, Ocp};
 use crate::qp::StageProgram;

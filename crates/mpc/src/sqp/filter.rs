@@ -1,8 +1,8 @@
 //! A filter: the globalization of Fletcher and Leyffer.
 //!
 //! A step is acceptable when it improves defect or objective enough against the current iterate and against everything in
-//! the filter (R. Fletcher, S. Leyffer, Math. Programming 91, 2002; conditions as in A. Wächter, L. T. Biegler, SIAM J.
-//! Optim. 16, 2005). No penalty weight has to be guessed, and iterates may pass through large defects.
+//! the filter (Fletcher and Leyffer 2002; conditions as in Wächter and Biegler 2005). No penalty weight has to be guessed, and
+//! iterates may pass through large defects.
 
 use crate::transcription::Merit;
 

@@ -1,5 +1,4 @@
-//! Nonlinear least squares with damped steps (Levenberg 1944, Marquardt 1963; Nocedal and Wright 2006, Numerical Optimization,
-//! section 10.3).
+//! Nonlinear least squares with damped steps (Levenberg 1944, Marquardt 1963; Nocedal and Wright 2006, section 10.3).
 //!
 //! ```
 //! use bracketry_numerics::least_squares::{Settings, Status, minimize};

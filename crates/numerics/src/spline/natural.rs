@@ -3,7 +3,7 @@
 /// A twice continuously differentiable curve of cubic pieces through points, without curvature at its ends. Before the first point and
 /// after the last one it keeps the value there.
 ///
-/// Source: C. de Boor, A Practical Guide to Splines, ch. IV.
+/// Source: de Boor 1978, ch. IV.
 pub struct NaturalSpline {
     times: Vec<f64>,
     values: Vec<f64>,

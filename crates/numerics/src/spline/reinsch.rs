@@ -10,7 +10,7 @@ const WINDOW: usize = 7;
 /// Samples at either end through which a cubic is fitted for the second derivative there.
 const END: usize = 7;
 
-/// A cubic smoothing spline after Reinsch (Numer. Math. 10, 1967): of all curves whose root mean square distance from the
+/// A cubic smoothing spline after Reinsch (1967): of all curves whose root mean square distance from the
 /// samples is that of their noise, the one with the least `∫ (f − p)''²`. The cubic `p` has the second derivatives of
 /// the motion at both ends, so that the spline need not be straight there.
 ///

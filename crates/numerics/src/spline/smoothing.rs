@@ -14,7 +14,7 @@ const WIDTH: usize = 2 * N + 1;
 pub enum Bandwidth {
     /// The frequency in Hz at which half of the amplitude passes.
     Cutoff(f64),
-    /// As generalized cross validation asks for (Craven and Wahba, Numer. Math. 31, 1979).
+    /// As generalized cross validation asks for (Craven and Wahba 1979).
     CrossValidated,
 }
 
@@ -22,7 +22,7 @@ pub enum Bandwidth {
 ///
 /// On evenly spaced samples it is a filter without phase, of the gain `1/(1 + (ω/ω_c)⁶)`: a Butterworth filter of third
 /// order, run forwards and backwards. It is found in O(n) as the smoothed state of a triply integrated white noise
-/// (Wahba, J. R. Statist. Soc. B 40, 1978), by orthogonal transformations (Paige and Saunders, SIAM J. Numer. Anal. 14, 1977).
+/// (Wahba 1978), by orthogonal transformations (Paige and Saunders 1977).
 ///
 /// At the ends its third derivative vanishes, which that of the motion need not: within about half a period of the cutoff
 /// from the ends, the second derivative is less exact.

@@ -39,8 +39,8 @@ pub(super) struct Impulses {
 }
 
 /// Signorini's condition and Coulomb's law at once, as the fixed point of two convex problems: normal impulses for given
-/// friction, and friction of maximum dissipation for given normal impulses (Panagiotopoulos 1975; Kaufman, Sueda, James and
-/// Pai 2008).
+/// friction, and friction of maximum dissipation for given normal impulses (Panagiotopoulos 1975; Kaufman, Sueda, James,
+/// and Pai 2008).
 ///
 /// The iteration contracts wherever `μ |W_nt| < W_nn` (the body cannot jam, Painlevé 1895); elsewhere it is relaxed by
 /// Aitken's rule, and a friction impulse that stays bounded guarantees that there is a fixed point.

@@ -21,8 +21,8 @@ fn gauss() -> [[f64; 3]; 3] {
 ///
 /// The center of mass follows its parabola exactly. Euler's equations `L' = L × J⁻¹L` for the angular momentum in the axes
 /// of the body are integrated by the three-stage Gauss method (order 6), which keeps the quadratic invariants `|L|²` and
-/// `L·J⁻¹L`; the orientation follows by the sixth-order Magnus expansion on the same stages (Blanes, Casas and Ros 2000), and
-/// is rotated by the last rounding error so that the angular momentum in the world is preserved.
+/// `L·J⁻¹L`; the orientation follows by the sixth-order Magnus expansion on the same stages (Blanes, Casas, and Ros 2000),
+/// and is rotated by the last rounding error so that the angular momentum in the world is preserved.
 pub(super) fn fly(
     start: &RigidState,
     dt: f64,

@@ -1,10 +1,10 @@
 //! Where the object is and how fast, and what it is like, from measured poses.
 //!
 //! Since the object starts from rest, its motion is known up to the parameters of [`super::learned`] and a small offset. A filter
-//! (Kalman 1960, on exact simulations instead of linear models) estimates them sample by sample. When the parameters leave the
-//! neighborhood of the simulations, these are made anew about the estimate and the record since the last rest is filtered again;
-//! at rest this is repeated over the records of all moves until nothing changes, which is Gauss and Newton's method for the most
-//! likely parameters, with the offset as a random walk.
+//! (Kalman 1960, *A new approach to linear filtering and prediction problems*; here on exact simulations instead of linear models)
+//! estimates them sample by sample. When the parameters leave the neighborhood of the simulations, these are made anew about the
+//! estimate and the record since the last rest is filtered again; at rest this is repeated over the records of all moves until
+//! nothing changes, which is Gauss and Newton's method for the most likely parameters, with the offset as a random walk.
 
 use super::interface::Command;
 use super::learned::{

@@ -37,7 +37,7 @@ impl Random {
     }
 }
 
-/// The seed of number `index` of a series of trials: the generator SplitMix64 (Steele, Lea and Flood 2014) at that place.
+/// The seed of number `index` of a series of trials: the generator SplitMix64 (Steele, Lea, and Flood 2014) at that place.
 pub fn seed_of(seed: u64, index: u64) -> u64 {
     let mut z = seed.wrapping_add(index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,8 +1,8 @@
 //! The forces that hold what sticks: the signs `s_K` for which `σ̇_K(t, x, s) = 0`.
 //!
 //! `σ̇_i = ∂σ_i/∂t + ∇σ_i · f(t, x, s)`. In every mechanical system with dry friction `f` is affine in `s`: one evaluation and
-//! one small linear solve. For others, Broyden's update keeps the inverse Jacobian of Newton's method from one evaluation to
-//! the next. Where the sticking switches do not determine each other, they share the forces ([`Sharing`]).
+//! one small linear solve. For others, Broyden's update (1965) keeps the inverse Jacobian of Newton's method from one evaluation
+//! to the next. Where the sticking switches do not determine each other, they share the forces ([`Sharing`]).
 
 use super::elimination::{eliminate, is_idle};
 use super::sharing::Sharing;

@@ -1,7 +1,7 @@
 //! Directions of several unit vectors that leave zero, one after the other: each gets the direction that fits the others as they are.
 //!
 //! Alone, `λ s = σ̇ = g + J s` with `|s| = 1` is the problem of a trust region: with the eigenvalues `d ≤ 0` of `J`, `λ ≥ 0` solves the
-//! secular equation `Σ h²/(λ − d)² = 1`, where `h` are the components of `g` (Conn, Gould, Toint, *Trust-Region Methods*, 2000, section 7.3).
+//! secular equation `Σ h²/(λ − d)² = 1`, where `h` are the components of `g` (Conn, Gould, and Toint 2000, section 7.3).
 //! This also finds the part of a direction that has no influence and merely follows σ̇, however slowly σ grows.
 
 use bracketry_numerics::eigen::symmetric_eigen;

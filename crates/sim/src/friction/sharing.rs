@@ -5,9 +5,9 @@
 //! its bound, `|s_i| ≤ r_i`: if `b` lies in the sum of the intervals and balls. Any other choice, as that of the least norm, would let
 //! go too early. This is the *analytic center* of the solutions: the one with the greatest `Σ w_i r_i √(1 − |s_i|²/r_i²)`, so
 //! that `s` is smooth in `b` up to where the last solution vanishes. With the multipliers `y` of `M s = b`,
-//! `s_i = r_i z_i/√(1 + |z_i|²)`, `z_i = M_iᵀ y/w_i`, and `y` minimizes the convex `Σ w_i r_i √(1 + |z_i|²) − b·y` (Boyd,
-//! Vandenberghe, *Convex Optimization*, sections 5.1 and 11.2). There is none if and only if a `y` has `b·y > Σ r_i |M_iᵀ y|` (theorem of the
-//! alternative); then all bounds are widened by the factor that just lets one in.
+//! `s_i = r_i z_i/√(1 + |z_i|²)`, `z_i = M_iᵀ y/w_i`, and `y` minimizes the convex `Σ w_i r_i √(1 + |z_i|²) − b·y` (Boyd and Vandenberghe
+//! 2004, sections 5.1 and 11.2). There is none if and only if a `y` has `b·y > Σ r_i |M_iᵀ y|` (theorem of the alternative); then all
+//! bounds are widened by the factor that just lets one in.
 
 use super::surfaces::{divide, norm};
 use nalgebra::DMatrix;
@@ -273,7 +273,7 @@ impl Sharing {
     }
 
     /// The same near the boundary, where the curvature along `z` is too small for sums: by the factorization of the root of the Hessian, whose
-    /// rows are graded (Cox, Higham, *Stability of Householder QR factorization for weighted least squares problems*, 1998).
+    /// rows are graded (Cox and Higham 1998).
     #[cold]
     fn graded_step(&mut self, equations: &Equations<'_>, factor: f64) -> bool {
         let (r, m) = (self.rank, equations.m);

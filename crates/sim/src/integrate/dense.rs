@@ -2,8 +2,8 @@
 
 use bracketry_numerics::collocation::RADAU_3_NODES;
 
-/// The embedded third-order error of the implicit method (Hairer and Wanner's, without their filter) is this times the third divided
-/// difference of the field over the start and the nodes.
+/// The embedded third-order error of the implicit method (that of Hairer and Wanner 1996, without their filter) is this times the
+/// third divided difference of the field over the start and the nodes.
 pub(super) const EMBEDDED: f64 = 0.0275;
 
 /// The continuous extension at `theta ∈ [0, 1]` of a step with the five coefficient vectors `r` (Hairer's `rcont`).

@@ -1,6 +1,6 @@
 //! Steps for unit vectors near σ = 0, where the direction is attracted at the rate `|∂σ̇/∂s|/|σ|` and explicit steps crawl.
 //!
-//! The three-stage Radau IIA method (Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., section IV.8; order 5,
+//! The three-stage Radau IIA method (Hairer and Wanner 1996, section IV.8; order 5,
 //! stiffly accurate) with the directions of the stages as unknowns: `|σ(t_i, X_i)| s_i = σ(t_i, X_i)`. Written so, the
 //! equations stay well conditioned down to `σ = 0`, from where a unit vector starts when it breaks loose.
 

@@ -6,7 +6,7 @@ use crate::settings::SimulationSettings;
 
 /// The explicit pair is stable along the negative axis up to this length times the largest rate.
 const STABLE: f64 = 3.25;
-/// Explicit steps at the limit of stability, and within it, that decide (Hairer and Wanner, section IV.2).
+/// Explicit steps at the limit of stability, and within it, that decide (Hairer and Wanner 1996, section IV.2).
 const SUSPECT: usize = 15;
 const CLEARED: usize = 20;
 /// Every how many steps the rate is measured where nothing is suspected.

@@ -22,7 +22,7 @@ pub(crate) struct Control<'a> {
 /// How a step is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Method {
-    /// The explicit pair of Dormand and Prince.
+    /// The explicit pair of Dormand and Prince (1980).
     Explicit,
     /// Radau IIA with the directions of unit vectors near zero as unknowns.
     Directions,
@@ -90,7 +90,8 @@ impl Step {
         self.started
     }
 
-    /// Hairer's rule for the first step (II.4): one per cent of the time in which the state changes by itself.
+    /// The length of the first step, the first guess of Hairer, Nørsett, and Wanner (1993, section II.4): one per cent of the time in
+    /// which the state changes by itself.
     pub(crate) fn first_length(&self, settings: &SimulationSettings, remaining: f64) -> f64 {
         let (mut d0, mut d1) = (0.0f64, 0.0f64);
         for (x, v) in self.x.iter().zip(&self.k[0]) {

@@ -1,5 +1,5 @@
-//! Steps for stiff fields: the three-stage Radau IIA method of order 5, whose stages are solved for by Newton's method (Hairer,
-//! Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., section IV.8).
+//! Steps for stiff fields: the three-stage Radau IIA method of order 5, whose stages are solved for by Newton's method (Hairer and Wanner
+//! 1996, section IV.8).
 //!
 //! With `Z` the stages less the start, the equations `Z = h A F(x + Z)` are multiplied by `(h A)⁻¹`, whose eigenvalues are one real
 //! and two complex ones. In the basis `Z = T W` of its eigenvectors each iteration solves one system of `n` and one of `2n` unknowns.

@@ -1,5 +1,5 @@
-//! The Dormand–Prince 5(4) pair with its continuous extension (Hairer, Nørsett, Wanner, *Solving Ordinary Differential
-//! Equations I*, 2nd ed., table II.5.2 and section II.6).
+//! The Dormand–Prince 5(4) pair with its continuous extension (Dormand and Prince 1980; Hairer, Nørsett, and Wanner
+//! 1993, table II.5.2 and section II.6).
 
 /// Nodes.
 pub(crate) const C: [f64; 7] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];

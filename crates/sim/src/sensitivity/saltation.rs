@@ -3,9 +3,8 @@
 /// The saltation matrix `I + (f⁺ − f⁻) ∇σᵀ/σ̇⁻` of an event: it transfers a small change of the state across it.
 ///
 /// The event is a sliding switch that reaches `σ = 0` at the rate `σ̇⁻`, where the field jumps from `f⁻` to `f⁺`. A changed
-/// state meets it earlier or later by `∂τ = −∇σ·δx/σ̇⁻` (Leine, Nijmeijer, *Dynamics and Bifurcations of Non-Smooth Mechanical
-/// Systems*, 2004, ch. 7). Where a switch breaks loose the field does not jump, and the matrix is the identity. The vectors have
-/// `n` entries, one per state; nothing is allocated.
+/// state meets it earlier or later by `∂τ = −∇σ·δx/σ̇⁻` (Leine and Nijmeijer 2004, ch. 7). Where a switch breaks loose the field
+/// does not jump, and the matrix is the identity. The vectors have `n` entries, one per state; nothing is allocated.
 ///
 /// ```
 /// use bracketry_sim::Saltation;

@@ -4,7 +4,7 @@ use crate::compensate::{CompensationError, positive};
 use crate::robot::{Wrench, stacked};
 use nalgebra::{Matrix6, Vector3};
 
-/// A cutting force in proportion to the depth of cut (mechanistic model, Altintas, *Manufacturing Automation*), on the circle that the
+/// A cutting force in proportion to the depth of cut (mechanistic model, Altintas 2012), on the circle that the
 /// tool goes round inside the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cutting {

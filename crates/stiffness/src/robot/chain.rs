@@ -90,7 +90,7 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// A robot from modified parameters (Craig, *Introduction to Robotics*): the transform of a joint is
+    /// A robot from modified parameters (Craig 2005): the transform of a joint is
     /// `Rot_x(α) Trans_x(a) Rot_z(θ + offset) Trans_z(d)`.
     pub fn from_modified_dh(name: impl Into<String>, rows: &[DhParameters]) -> Self {
         let joints = rows.iter().enumerate().map(|(i, row)| row.joint(i + 1, row.link() * row.along())).collect();

@@ -237,7 +237,7 @@ impl<const C: u64> fmt::Debug for Residue<C> {
     }
 }
 
-/// Deterministic random numbers (`SplitMix64`: Steele, Lea and Flood 2014).
+/// Deterministic random numbers (`SplitMix64`: Steele, Lea, and Flood 2014).
 #[derive(Clone, Debug)]
 pub(crate) struct Random(u64);
 

@@ -1,8 +1,8 @@
 //! Angles of points with rational slopes, by the primes of the Gaussian integers.
 //!
 //! arg(x + i y) = Σ k_p arg(a_p + i b_p) + m π/4 over the primes p = a_p² + b_p², a_p > b_p > 0, that divide x² + y². Since
-//! factors in ℤ\[i\] are unique, these angles and π are linearly independent over the rationals, and by Baker's theorem over
-//! the algebraic numbers.
+//! factors in ℤ\[i\] are unique, these angles and π are linearly independent over the rationals, and by Baker's theorem
+//! (1966) over the algebraic numbers.
 
 use std::f64::consts::FRAC_PI_4;
 

@@ -120,7 +120,8 @@ impl Surd {
         (sum.is_finite() && sum.abs() > 1e-13 * size).then_some(if sum > 0.0 { 1 } else { -1 })
     }
 
-    /// The positive root, if it is a sum of square roots of rationals (Borodin, Fagin, Hopcroft and Tompa 1985).
+    /// The positive root, if it is a sum of square roots of rationals (Borodin, Fagin, Hopcroft, and Tompa
+    /// 1985).
     fn sqrt(&self, nesting: u32) -> Option<Self> {
         if let Some(q) = self.as_rational() {
             return root_of_rational(&q);

@@ -35,7 +35,8 @@ pub enum SliderEffect {
     CubicDrag,
     /// Part of the mass hangs on a spring with a damper.
     ElasticMass,
-    /// Friction of bristles that bend before they slip, in place of Coulomb's (Dahl 1968; Canudas de Wit et al. 1995, with constant g).
+    /// Friction of bristles that bend before they slip, in place of Coulomb's (Dahl 1968; Canudas de Wit, Olsson, Åström, and
+    /// Lischinsky 1995, with constant g).
     BristleFriction,
     /// Coulomb friction that grows toward a higher level while the slider warms up.
     WarmingFriction,

@@ -3,7 +3,7 @@
 //! The outputs' Taylor coefficients at a random point, up to the first one of each output whose differential depends on
 //! those before, generate a field that is closed under differentiation: the derivative of an algebraic relation gives the
 //! next coefficient as a rational function of those before. So all other coefficients follow from them, and the values
-//! that give the same outputs are the solutions of polynomial equations (Hong, Ovchinnikov, Pogudin and Yap 2019 and
+//! that give the same outputs are the solutions of polynomial equations (Hong, Ovchinnikov, Pogudin, and Yap 2019 and
 //! 2020, who bound the probability of error). The number of values of each variable is the number of distinct roots of
 //! its minimal polynomial modulo the ideal, by a Gröbner basis modulo a prime. Variables that are not even locally
 //! determined are given values as far as they are independent, which changes no number of values of the others.

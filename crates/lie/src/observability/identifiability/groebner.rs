@@ -1,5 +1,5 @@
 //! Gröbner bases modulo a prime (Buchberger 1965), with the criteria of Gebauer and Möller (1988) and the sugar strategy
-//! (Giovini, Mora, Niesi, Robbiano and Traverso 1991), and the values that solutions have.
+//! (Giovini, Mora, Niesi, Robbiano, and Traverso 1991), and the values that solutions have.
 
 use bracketry_symbolic::{Echelon, Residue};
 

@@ -4,7 +4,7 @@
 //! it; the span E of all of them is closed under differentiation (Sedoglavic 2002). Knowing an initial value adds its
 //! differential to the span at time zero. For unknown inputs w, the differentials of w, w', … are variables of their own.
 //! The dimension of what the span shares with the differentials of states and parameters grows by fewer and fewer
-//! dimensions with each order, so that it stays once it stayed (ranks of Di Benedetto, Grizzle and Moog 1989).
+//! dimensions with each order, so that it stays once it stayed (ranks of Di Benedetto, Grizzle, and Moog 1989).
 
 use bracketry_symbolic::{Bindings, Echelon, Pool, Residue, SECOND_OFFSET, Symbol, THIRD_OFFSET};
 

@@ -2,9 +2,7 @@
 //!
 //! The intervals of a block share one stage of a smaller problem: the state at its start and all its inputs are the variables,
 //! the states within are affine in them. Hessian and gradient come from a backward recursion over the block, whose work
-//! grows with the square of its length (G. Frison, J. B. Jørgensen, "A fast condensing method for solution of
-//! linear-quadratic control problems", CDC 2013; D. Axehill, "Controlling the level of sparsity in MPC", Systems & Control
-//! Letters 76, 2015).
+//! grows with the square of its length (Frison and Jørgensen 2013; Axehill 2015).
 
 use super::super::program::StageProgram;
 use super::super::recursion::Shape;

@@ -1,5 +1,5 @@
-//! The primal–dual interior-point method with Mehrotra's predictor and corrector (S. Mehrotra, SIAM J. Optim. 2, 1992; J. Nocedal,
-//! S. J. Wright, Numerical Optimization, 2nd ed., section 16.6).
+//! The primal–dual interior-point method with Mehrotra's predictor and corrector (Mehrotra 1992; Nocedal and Wright 2006, section
+//! 16.6).
 //!
 //! The states obey the dynamics from the start, so that what converges is the slope with respect to the inputs, the residuals
 //! of the inequalities, and complementarity.
@@ -338,8 +338,7 @@ impl InteriorPoint {
         // Products far below what is asked for would only spoil the linear system.
         let least = LEAST_GAP * tolerance * of.program.objective_scale / self.at.t.len().max(1) as f64;
         let aim = (centering * mean).max(least);
-        // The terms of second order count as far as the step goes that they are taken from (M. Colombo, J. Gondzio, Comput. Optim.
-        // Appl. 41, 2008).
+        // The terms of second order count as far as the step goes that they are taken from (Colombo and Gondzio 2008).
         let weight = length * length;
         for row in of.rows() {
             self.excess[row] = self.at.t[row] * self.at.v[row] + weight * self.step.t[row] * self.step.v[row] - aim;

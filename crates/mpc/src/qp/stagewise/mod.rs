@@ -1,6 +1,5 @@
 //! An interior-point method of our own for programs without cones: the stages are condensed to dense blocks, and the linear
-//! systems are solved by the Riccati recursion over them, the form of HPIPM (G. Frison, M. Diehl, "HPIPM: a high-performance
-//! quadratic programming framework for model predictive control", IFAC World Congress 2020).
+//! systems are solved by the Riccati recursion over them, the form of HPIPM (Frison and Diehl 2020).
 
 mod blocks;
 mod constraints;
