@@ -102,6 +102,29 @@ class References(unittest.TestCase):
     def test_accents_and_line_breaks_do_not_matter(self):
         self.assertEqual(references.missing("# (Kokotovic\n# 1992)", "- P. Kokotović, 1992.\n"), [])
 
+    def test_an_entry_needs_all_names_that_are_cited(self):
+        entries = '- J. Fan, "Test of significance", 1996.\n- M. D. Di Benedetto, J. W. Grizzle, and C. H. Moog, 1953–1989, 1989.\n'
+        text = "Fan 1996, Hyndman and Fan 1996, Di Benedetto, Grizzle, and Moog 1989, Grizzle and others 1953. (Moog 1989 and 1990)."
+        self.assertEqual(references.missing(text, entries), ["Grizzle 1953", "Hyndman, Fan 1996", "Moog 1990"])
+
+    def test_comments_of_code_are_checked(self):
+        source = """
+            //! Reached by the theorem (Chow
+            //! 1939, Brockett 1983).
+            const YEAR: i32 = 1986; // `Stefani 1986`, but Kawski 1989
+
+            /// Flat (Martin and Rouchon 1994).
+            fn laub_1979() { "Laub 1979" }
+        """
+        self.assertEqual(references.missing_in_comments(source, self.ENTRIES), ["Brockett 1983", "Kawski 1989"])
+
+    def test_a_year_in_a_comment_may_follow_a_title_or_a_journal(self):
+        source = """
+            /// By brackets (W.-L. Chow, Math. Annalen 117, 1939), by others (Martin, "Systems" (1994); Eising, Letters 4 (1984)).
+            /// At least 60, at most 2000 (and 1800).
+        """
+        self.assertEqual(references.missing_in_comments(source, self.ENTRIES), ["Eising … 1984"])
+
 
 class Words(unittest.TestCase):
     def places(self, text):
