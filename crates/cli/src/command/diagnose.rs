@@ -143,9 +143,9 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
         print(&diagnosis.to_string())?;
         match &output.out {
             Some(dir) => line(&format!("written to {}", dir.display()))?,
-            None => line(
-                "(--out DIR writes a page with everything, the figures, and the extended model, if there are any)",
-            )?,
+            None => {
+                line("(--out DIR writes a page with everything, the figures, and the extended model, if there is one)")?
+            }
         }
     }
     Ok(outcome(&diagnosis.report))

@@ -79,7 +79,7 @@ pub(crate) fn man(args: &ManArgs, mut root: clap::Command, output: &CommonArgs) 
             let path = path.join(" ");
             match known.as_slice() {
                 [] => format!("there is no command `{path} {word}`: `{path}` has no commands of its own"),
-                known => format!("there is no command `{path} {word}`: there are {}", known.join(", ")),
+                known => format!("there is no command `{path} {word}`: the commands are {}", known.join(", ")),
             }
         })?;
         path.push(word);

@@ -132,13 +132,13 @@ impl TableAndRobot {
         match (robot(first), robot(second)) {
             (false, true) => Ok((first, second)),
             (true, false) => Ok((second, first)),
-            (both, _) => anyhow::bail!(
-                "{} {} {} {} ends in .toml\n   = name a table and a robot file: DATA.csv ROBOT.toml",
-                if both { "each of" } else { "neither" },
-                first.display(),
-                if both { "and" } else { "nor" },
-                second.display()
-            ),
+            (both, _) => {
+                let (which, and, end) = if both { ("both", "and", "end") } else { ("neither", "nor", "ends") };
+                let (first, second) = (first.display(), second.display());
+                anyhow::bail!(
+                    "{which} {first} {and} {second} {end} in .toml\n   = give a table and a robot file: DATA.csv ROBOT.toml"
+                )
+            }
         }
     }
 }
@@ -209,7 +209,11 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &CommonArgs) 
         }
     }
     progress.finish_and_clear();
-    let files = "the robot file with these springs, and figures";
+    let files = if found.springs.is_some() {
+        "the robot file with these springs, and figures"
+    } else {
+        "the report and figures"
+    };
     report(&text::identification(&found), &object::identification(&found), output, files)?;
     // Joint springs that the data do not tell, and no stiffness of one pose instead.
     Ok(if found.springs.is_none() && found.cartesian.is_none() { Outcome::Negative } else { Outcome::Done })

@@ -68,7 +68,7 @@ impl Story {
             + &verbatim(&bracketry::report::analysis::text(&self.analysis))
             + &heading(3, "What changes from rest to rest")
             + &paragraph(
-                "At rest, dry friction balances small inputs. A coordinate changes only if inputs within the bounds exceed the friction \
+                "At rest, dry friction balances small inputs. A coordinate changes only if inputs within the bounds lead out of the friction \
                  cone, and then loops of the inputs move it both ways.",
             )
             + &verbatim(&from_rest_map_text(&self.from_rest))

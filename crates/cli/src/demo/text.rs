@@ -29,10 +29,10 @@ pub(super) const SIXTH: &str = "6. Control of the true plant with the extended m
 impl fmt::Display for MoveOnEquations {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seconds = |t: Option<f64>| t.map_or("not reached".to_owned(), |t| format!("{t:.2} s"));
-        let value = |v: Option<f64>, unit: &str| v.map_or("–".to_owned(), |v| format!("{v:+.2} {unit}"));
+        let value = |v: Option<f64>, unit: &str| v.map_or("–".to_owned(), |v| format!("{v:+.2}{unit}"));
         let (a, [x, y, phi]) = (&self.arrival, self.two_step_errors());
-        let mm = |v: Option<f64>| value(v.map(|v| 1e3 * v), "mm");
-        let spin = |v: f64| value(Some(v), "°/s");
+        let mm = |v: Option<f64>| value(v.map(|v| 1e3 * v), " mm");
+        let spin = |v: f64| value(Some(v), " °/s");
         let rows = [
             [String::new(), "together (MPC)".to_owned(), "two steps".to_owned()],
             ["time to target".to_owned(), seconds(a.settled_s), seconds(self.two_step_time())],
@@ -101,12 +101,12 @@ impl fmt::Display for MoveOnPlant {
         writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "open loop")?;
         let (a, p) = (&self.arrival, &self.plan_arrival);
         let mut row = |what: &str, closed: f64, alone: f64, unit: &str| {
-            writeln!(f, "  {what:<16} {:>16} {:>16}", format!("{closed:+.2} {unit}"), format!("{alone:+.2} {unit}"))
+            writeln!(f, "  {what:<16} {:>16} {:>16}", format!("{closed:+.2}{unit}"), format!("{alone:+.2}{unit}"))
         };
-        row("error in x", 1e3 * a.x_m, 1e3 * p.x_m, "mm")?;
-        row("error in y", 1e3 * a.y_m, 1e3 * p.y_m, "mm")?;
+        row("error in x", 1e3 * a.x_m, 1e3 * p.x_m, " mm")?;
+        row("error in y", 1e3 * a.y_m, 1e3 * p.y_m, " mm")?;
         row("error in yaw", a.phi_deg, p.phi_deg, "°")?;
-        row("remaining spin", a.spin_deg_s, p.spin_deg_s, "°/s")?;
+        row("remaining spin", a.spin_deg_s, p.spin_deg_s, " °/s")?;
         let c = &self.run.report.status;
         let plan = self.run.report.plan.as_ref();
         if let Some(plan) = plan {

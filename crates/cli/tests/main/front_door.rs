@@ -164,7 +164,11 @@ fn manual_pages_exist_for_every_command() {
     let page = fs::read_to_string(dir.join("bracketry-stiffness-identify.1")).unwrap();
     assert_eq!(text(&bracketry(&["man", "stiffness", "identify"]).stdout), page);
     let o = bracketry(&["man", "analyse"]);
-    assert!(code(&o) == 2 && text(&o.stderr).contains("there are demo, new, analyze, affinize"), "{}", text(&o.stderr));
+    assert!(
+        code(&o) == 2 && text(&o.stderr).contains("the commands are demo, new, analyze, affinize"),
+        "{}",
+        text(&o.stderr)
+    );
 }
 
 /// The same numbers whenever the test runs: sums of twelve uniform ones, of a linear congruential generator.

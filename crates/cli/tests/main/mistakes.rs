@@ -59,7 +59,7 @@ fn a_file_of_another_kind_is_answered_with_the_right_command() {
         (&["stiffness", "compensate", "displaced.csv", "robot.toml"], &["`bracketry stiffness identify displaced.csv"]),
         (&["stiffness", "identify", "loads.csv", "robot.toml"], &["poses loads.csv", "weigh loads.csv", "dx, dy, dz"]),
         (&["diagnose", "ball.toml", "displaced.csv"], &["`bracketry stiffness identify displaced.csv ROBOT.toml`"]),
-        (&["stiffness", "identify", "ball.toml", "robot.toml"], &["each of ball.toml and robot.toml ends in .toml"]),
+        (&["stiffness", "identify", "ball.toml", "robot.toml"], &["both ball.toml and robot.toml end in .toml"]),
         (&["plate", "ball.toml"], &["not a scenario of the plate", "experiment = 1"]),
         (&["analyze", "bal.toml"], &["there is no such file", "did you mean `ball.toml`?"]),
         (&["analyze", "ball"], &["did you mean `ball.toml`?"]),

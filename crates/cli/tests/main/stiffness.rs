@@ -112,7 +112,8 @@ fn the_report_has_condition_fit_and_intervals() {
         let columns: Vec<usize> = block.lines().map(|line| line.matches('|').count()).collect();
         assert!(columns.iter().all(|count| *count == columns[0]), "{block}");
     }
-    for part in ["condition", "χ²/dof", "stiffness, its inverse", " ± ", "of the stated noise", "nothing remains to be"]
+    for part in
+        ["condition", "χ²/dof", "stiffness, its inverse", " ± ", "times the stated noise", "nothing remains to be"]
     {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -292,7 +293,7 @@ fn the_robot_file_may_come_first_or_last() {
     let (robot, log) = (model("kr125.toml"), file(&dir, "log.csv", &log(|_, _, v| v)));
     let either = [[&log, &robot], [&robot, &log]].map(|[a, b]| json(&["stiffness", "compensate", a, b, "--json"]));
     assert_eq!(either[0], either[1]);
-    for (files, said) in [([&log, &log], "neither"), ([&robot, &robot], "each of")] {
+    for (files, said) in [([&log, &log], "neither"), ([&robot, &robot], "both")] {
         let o = bracketry(&["stiffness", "compensate", files[0], files[1]]);
         let message = String::from_utf8(o.stderr.clone()).unwrap();
         assert!(code(&o) == 2 && message.contains(said) && message.contains("DATA.csv ROBOT.toml"), "{message}");

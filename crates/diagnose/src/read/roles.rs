@@ -115,14 +115,17 @@ impl Roles {
         }
         if roles.measured.is_empty() {
             let known = measurable(system).join(", ");
-            let message = format!("no measurement: no column has the name of a state or an output; there are {found}");
+            let message =
+                format!("no measurement: no column has the name of a state or an output; the columns are {found}");
             return Err(origin.whole(message, format!("name a column after one of {known}: --rename q=x")));
         }
         roles.rows = (0..roles.times.len()).collect();
         let missing: Vec<String> = roles.missing(system);
         if !missing.is_empty() {
-            let message =
-                format!("the model uses {}, for which there is no column; there are {found}", missing.join(", "));
+            let message = format!(
+                "the model uses `{}`, for which there is no column; the columns are {found}",
+                missing.join("`, `")
+            );
             let remedy = format!("add a column, or name an existing one: --rename column={}", missing[0]);
             return Err(origin.whole(message, remedy));
         }

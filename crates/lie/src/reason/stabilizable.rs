@@ -125,7 +125,7 @@ pub enum StabilizableReason {
     Conserved(Function),
     /// Bounded inputs hold the state on a surface.
     #[error(
-        "near the point, for all admissible inputs, states on {surface} = 0 stay there, and {kept} is constant on it"
+        "near the point, for all admissible inputs, states on {surface} = 0 stay there, and {kept} is constant there"
     )]
     Sticks {
         /// The switching function.

@@ -271,7 +271,7 @@ pub(crate) fn family(r: &Family) -> String {
         Answer::Unknown(why) => format!("was not compared ({why})"),
     };
     format!(
-        "family of constant inputs: accessible dimension {}, strongly {}; the affine form{states} {agrees}",
+        "family of constant inputs: accessible dimension {}, strongly accessible dimension {}; the affine form{states} {agrees}",
         r.accessible_dimension, r.strongly_accessible_dimension,
     )
 }
@@ -291,7 +291,10 @@ fn involutive_closure(r: &InvolutiveClosureReport) -> String {
     } else {
         format!(", functions constant along it: {}", joined(&r.integrals, ",  "))
     };
-    let missing = r.integrals_not_found.map_or(String::new(), |k| format!(", {k} not found in closed form"));
+    let missing = r.integrals_not_found.map_or(String::new(), |k| {
+        let which = if r.integrals.is_empty() { "of the functions constant along it" } else { "more" };
+        format!(", {k} {which} not found in closed form")
+    });
     format!("dimension {} (growth {}){integrals}{missing}", r.dimension, joined(&r.growth, ", "))
 }
 

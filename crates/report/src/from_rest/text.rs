@@ -149,7 +149,7 @@ pub fn from_rest_text(found: &FromRest) -> String {
     }
     if let Some(back) = &found.back {
         lines.push(format!(
-            "return: {} loops lead back to the point within {:.0e}; their durations move the end with smallest singular value {}, \
+            "return: {} loops lead back to the point within {:.0e}; the derivative of the final state with respect to their durations has the smallest singular value {}, \
              so that to first order they reach a ball of radius {} in units of the largest displacements",
             back.loops.len(),
             back.error,
@@ -166,7 +166,7 @@ fn grid_lines(found: &FromRest, grid: &Grid) -> Vec<String> {
     let most = |of: fn(&GridPoint) -> f64| grid.points.iter().map(of).fold(0.0, f64::max);
     let reach = least(|p| p.reach);
     let mut line = format!(
-        "margin for shorter loops: {} loops have the margin {} or more at {}; directions change by {} or less for shorter loops",
+        "margin for shorter loops: {} loops have a margin of at least {} at {}; directions change by at most {} for shorter loops",
         grid.loops.len(),
         readable(least(|p| p.margin)),
         counted(grid.points.len(), "point", "points"),

@@ -51,7 +51,7 @@ pub fn advice(advice: &Advice) -> String {
             Method::JointSprings
         ),
         Advice::NoiseOverstated { residual } => format!(
-            "the residuals are {residual:.2} of the stated noise: the measurements are better than stated, and the \
+            "the residuals are {residual:.2} times the stated noise: the measurements are better than stated, and the \
              intervals are wider than necessary"
         ),
     }

@@ -18,5 +18,5 @@ fn advice_names_the_bias_of_the_published_estimator_and_overstated_noise() {
     let advice = Advice::Attenuated { estimator: CartesianEstimator::WrenchOnDisplacement, attenuation };
     let words = text::advice(&advice);
     assert!(words.contains("the noise of ΔX makes K too small"), "{words}");
-    assert!(text::advice(&Advice::NoiseOverstated { residual: 0.2 }).contains("of the stated noise"));
+    assert!(text::advice(&Advice::NoiseOverstated { residual: 0.2 }).contains("times the stated noise"));
 }

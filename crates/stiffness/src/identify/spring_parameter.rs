@@ -55,7 +55,9 @@ impl Identified {
     pub fn why(&self) -> Option<String> {
         match self {
             Self::Yes { .. } => None,
-            Self::No { log_std, why } => Some(format!("{why} (standard deviation of its logarithm {log_std:.1})")),
+            Self::No { log_std, why } => {
+                Some(format!("{why} (standard deviation of the logarithm of the parameter: {log_std:.1})"))
+            }
         }
     }
 }
@@ -76,7 +78,7 @@ impl fmt::Display for SpringParameter {
         write!(f, "joint {}, {}: ", self.joint, self.name)?;
         match &self.identified {
             Identified::Yes { value, low, high } => write!(f, "{value:.4e} (95 %: {low:.4e} … {high:.4e})"),
-            no @ Identified::No { .. } => write!(f, "not identified, {}", no.why().unwrap_or_default()),
+            no @ Identified::No { .. } => write!(f, "{}", no.why().unwrap_or_default()),
         }
     }
 }
