@@ -2,6 +2,7 @@
 //! change with it.
 
 use crate::common::system;
+use crate::tier::cases;
 use bracketry_lie::controllability::{PointReport, Verdict};
 use bracketry_lie::{AnalysisOptions, Answer, Report, analyze_affine};
 use bracketry_symbolic::{Expr, Func, Symbol};
@@ -161,7 +162,7 @@ fn planes() -> impl Strategy<Value = Vec<Plane>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(cases(8))]
 
     #[test]
     fn coordinates_change_no_rank_and_no_verdict(k in 0..SYSTEMS.len(), c in coefficients()) {
