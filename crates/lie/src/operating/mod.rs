@@ -6,6 +6,7 @@ pub(crate) mod equations;
 pub(crate) mod gains;
 pub(crate) mod linear_model;
 pub(crate) mod linearize;
+mod location;
 pub(crate) mod solver;
 pub(crate) mod trim;
 mod vanishing;

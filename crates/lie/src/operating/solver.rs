@@ -61,7 +61,8 @@ pub(crate) fn solve(equations: &mut Equations, start: &DVector<f64>) -> Found {
     judged(equations, z)
 }
 
-fn judged(equations: &mut Equations, z: DVector<f64>) -> Found {
+/// What is known of the end of iterations.
+pub(crate) fn judged(equations: &mut Equations, z: DVector<f64>) -> Found {
     let f = equations.value(&z);
     let j = equations.jacobian(&z);
     let residual = if f.iter().any(|v| v.is_nan()) { f64::INFINITY } else { f.amax() };
@@ -70,24 +71,26 @@ fn judged(equations: &mut Equations, z: DVector<f64>) -> Found {
     Found { z, residual, solved, rank }
 }
 
-/// Whether a solution with a Jacobian of lower rank than variables belongs to a set of solutions: another one lies in a
-/// direction in which the equations do not change to first order. Else it is a multiple one.
-pub(crate) fn is_one_of_a_set(equations: &mut Equations, solution: &Found) -> bool {
-    let Some(factored) = Factored::new(&equations.weighed_jacobian(&solution.z), RANK) else {
-        return !solution.z.is_empty();
-    };
+/// Ends of iterations from beside a solution with a Jacobian of lower rank than variables, in directions in which the equations do not
+/// change to first order. If one of them is a solution, it belongs to a set of solutions; else it is a multiple one.
+pub(crate) fn neighbors(equations: &mut Equations, solution: &Found) -> Vec<Found> {
+    let Some(factored) = Factored::new(&equations.weighed_jacobian(&solution.z), RANK) else { return Vec::new() };
     let length = 0.05 * (1.0 + solution.z.amax());
-    (0..solution.z.len()).any(|k| {
+    let mut ends = Vec::new();
+    for k in 0..solution.z.len() {
         // A coordinate direction, without what changes the equations.
         let coordinate = DVector::from_fn(solution.z.len(), |i, _| f64::from(i == k));
         let along = factored.onto_null_space(coordinate);
         let size = along.norm();
         if size < 1e-3 {
-            return false;
+            continue;
         }
         let other = solve(equations, &(&solution.z + along * (length / size)));
-        other.solved && (&other.z - &solution.z).norm() > 0.5 * length
-    })
+        if other.solved && (&other.z - &solution.z).norm() > 0.5 * length {
+            ends.push(other);
+        }
+    }
+    ends
 }
 
 /// The solution near `z` that is nearest to `to`: Gauss–Newton steps onto the solutions, with steps along them toward `to`.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::operating::confirm::confirmed;
 use crate::operating::equations::Equations;
-use crate::operating::solver::{Found, is_one_of_a_set, nearest, solve};
+use crate::operating::solver::{Found, judged, nearest, neighbors, solve};
 
 /// What is asked of an operating point.
 #[derive(Clone, Debug, Default)]
@@ -71,8 +71,12 @@ pub enum TrimNote {
         /// Dimension of the set of solutions.
         dimensions: usize,
     },
-    /// The Jacobian has not full rank at the solution, which was found to lower accuracy.
-    Degenerate,
+    /// The Jacobian has not full rank at the solution, in floating point: a multiple root, or coefficients of very different size.
+    Degenerate {
+        /// How far a coordinate may be from the solution, relative to the size of the point; rounding where the signs of the equations, or of
+        /// their derivatives, enclose it.
+        accuracy: f64,
+    },
     /// The equations vanish to rounding at a point that is not taken for a solution: none of them changes its sign there, and no exact values
     /// confirm it. It may be a multiple solution, or one of equations that only come near zero.
     NotConfirmed,
@@ -333,7 +337,8 @@ impl<'a> Search<'a> {
         let mut chosen = found.swap_remove(0);
         let open = self.free.len() - chosen.rank;
         let solved = status != TrimStatus::NotFound;
-        let one_of_many = solved && open > 0 && is_one_of_a_set(&mut self.equations, &chosen);
+        let beside = if solved && open > 0 { neighbors(&mut self.equations, &chosen) } else { Vec::new() };
+        let one_of_many = beside.iter().any(|other| self.is_solution(other));
         if one_of_many {
             // The nearest solutions may tend to a point where there is none.
             let near = nearest(&mut self.equations, chosen.clone(), &first);
@@ -342,7 +347,9 @@ impl<'a> Search<'a> {
             }
             notes.push(TrimNote::Underdetermined { dimensions: open });
         } else if solved && open > 0 {
-            notes.push(TrimNote::Degenerate);
+            let (z, accuracy) = self.located(&chosen);
+            chosen = judged(&mut self.equations, z);
+            notes.push(TrimNote::Degenerate { accuracy });
         }
         let slack = if solved && open > 0 && !one_of_many { 1e-3 } else { 0.0 };
         let exact = if solved { self.confirmed(&chosen, slack) } else { None };

@@ -98,7 +98,7 @@ impl Search<'_> {
     }
 
     /// A combination of the equations as one expression.
-    fn combination(&mut self, c: &Combination, z: &DVector<f64>) -> Expr {
+    pub(super) fn combination(&mut self, c: &Combination, z: &DVector<f64>) -> Expr {
         let (pool, equations) = &mut self.exact;
         let number = |value: f64| Rational::try_from(value).unwrap_or(Rational::ZERO);
         if !c.is_alone() {
@@ -113,11 +113,22 @@ impl Search<'_> {
     }
 
     /// The sign of an expression of the free variables; `None` where it is not known.
-    fn sign(&mut self, expression: Expr, z: &DVector<f64>) -> Option<Ordering> {
+    pub(super) fn sign(&mut self, expression: Expr, z: &DVector<f64>) -> Option<Ordering> {
+        let values = self.bindings(z)?;
+        self.exact.0.constant_sign(expression, &values)
+    }
+
+    /// The value of an expression of the free variables, whatever cancels; `None` where it is not known.
+    pub(super) fn number(&mut self, expression: Expr, z: &DVector<f64>) -> Option<f64> {
+        let values = self.bindings(z)?;
+        self.exact.0.constant_value(expression, &values)
+    }
+
+    fn bindings(&self, z: &DVector<f64>) -> Option<Bindings> {
         let mut values = Bindings::new();
         for (&s, &z) in self.free.iter().zip(z.iter()) {
             values.bind(s, Rational::try_from(z).ok()?);
         }
-        self.exact.0.constant_sign(expression, &values)
+        Some(values)
     }
 }

@@ -255,3 +255,63 @@ fn multiple_solutions_at_simple_constants_are_confirmed() {
         assert_eq!(exact(&t, "x"), value, "{equation}");
     }
 }
+
+/// Triangular equations of which one has a multiple root, of odd or even order, at an irrational point: it is found to all digits.
+#[test]
+fn multiple_roots_are_located() {
+    for (root, order) in [("exp(1/3)", 3), ("1/3 + sqrt(2)", 3), ("-exp(1/7)", 4)] {
+        for factor in ["(2 + sin(x))", "1000*exp(y)"] {
+            let text = format!(
+                "states = ['x', 'y', 'z']\ndynamics = {{ x = '{factor}*(x - ({root}))^{order}', y = 'y - x^2*sqrt(2) - 1', z = 'exp(z - x*pi) - 3*(1 + (x - ({root}))^{order})' }}\n"
+            );
+            let t = searched(&text, &[], &[], &[]);
+            let value = |e: &str| {
+                let mut pool = bracketry_symbolic::Pool::new();
+                let e = pool.parse(e).unwrap();
+                pool.constant_value(e, &bracketry_symbolic::Bindings::new()).unwrap()
+            };
+            if t.status == TrimStatus::NotFound {
+                // Roots of even order have no change of sign that proves them.
+                assert_eq!(order % 2, 0, "{text}: {t:?}");
+                continue;
+            }
+            for (v, expected) in t.states.iter().zip([
+                value(root),
+                value(&format!("1 + ({root})^2*sqrt(2)")),
+                value(&format!("log(3) + ({root})*pi")),
+            ]) {
+                assert!(
+                    (v.value - expected).abs() <= 1e-11 * (1.0 + expected.abs()),
+                    "{text}: {} for {expected}, {t:?}",
+                    v.value
+                );
+            }
+        }
+    }
+}
+
+/// Regular linear equations with coefficients of very different size in irrational combinations have one solution, and no set of them.
+#[test]
+fn coefficients_of_different_size_make_no_set_of_solutions() {
+    for (large, small) in [("1e9", "1e-9"), ("1e7", "1e-6"), ("1e12", "1e-3")] {
+        for factor in ["sqrt(3)", "(2 + sin(x))", "-exp(1/5)"] {
+            let (f, g) = (
+                format!("{large}*(x - sqrt(2))"),
+                format!("({small}*(y - exp(1/3)) + {factor}*{large}*(x - sqrt(2)))"),
+            );
+            for (x, y) in [
+                (f.clone(), g.clone()),
+                (format!("{f} - (1 + y^2)*{g}"), g.clone()),
+                (g.clone(), format!("{f} + sqrt(7)*{g}")),
+            ] {
+                let text = format!("states = ['x', 'y']\ndynamics = {{ x = '{x}', y = '{y}' }}\n[point]\ny = 1\n");
+                let t = searched(&text, &[], &[], &[]);
+                assert!(!t.notes.iter().any(|n| matches!(n, TrimNote::Underdetermined { .. })), "{text}: {t:?}");
+                if t.status == TrimStatus::Found {
+                    let errors = [t.states[0].value - 2f64.sqrt(), t.states[1].value - (1f64 / 3.0).exp()];
+                    assert!(errors.iter().all(|e| e.abs() < 1e-9), "{text}: {errors:?}, {t:?}");
+                }
+            }
+        }
+    }
+}

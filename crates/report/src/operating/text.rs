@@ -7,6 +7,9 @@ use bracketry_lie::operating::{
 use bracketry_system::readable;
 use nalgebra::DMatrix;
 
+/// What is located to this accuracy, relative to its size, is located to rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// A note as a sentence.
 pub(super) fn note(n: &TrimNote) -> String {
     match n {
@@ -14,8 +17,16 @@ pub(super) fn note(n: &TrimNote) -> String {
             "the solutions form a set of dimension {dimensions}; this is the one nearest to the model's point (least \
              norm); fix more variables to get another"
         ),
-        TrimNote::Degenerate => {
-            "the Jacobian does not have full rank here: the solution is a multiple root and less accurate".to_owned()
+        TrimNote::Degenerate { accuracy } => {
+            let how = if *accuracy <= ROUNDING {
+                "; the signs of the equations in exact arithmetic locate the solution".to_owned()
+            } else {
+                format!(", and no exact sign locates the solution: it is accurate to about {accuracy:.0e}; more digits mean nothing")
+            };
+            format!(
+                "in floating point, the Jacobian does not have full rank here: this is a multiple root, or coefficients differ \
+                 much in size{how}"
+            )
         }
         TrimNote::NotConfirmed => "the equations vanish there to rounding, but none changes its sign, and no exact values confirm it: \
                                    this may be a multiple solution, or a point where they only come near zero; to use it, write it \
