@@ -235,3 +235,24 @@ fn switching_models_and_curved_inputs_are_not_transformed_silently() {
     let late = parsed("states = ['x']\ninputs = ['u']\ndelays = { u = 0.1 }\ndynamics = { x = 'u - x' }");
     let FormOutcome::NotFound(Obstacle::Delay { .. }) = to(&late, Form::Brunovsky).outcome else { panic!() };
 }
+
+/// y = a + h(d) with h' = 0 at the point: a completes y and its derivatives to coordinates nearly everywhere, but not there; d does.
+#[test]
+fn internal_states_are_regular_at_the_point() {
+    for (bend, slope, at) in [
+        ("d^2", "2*d", "0"),
+        ("(d - 1)^2", "2*(d - 1)", "1"),
+        ("(d - sqrt(2))^3", "3*(d - sqrt(2))^2", "sqrt(2)"),
+        ("cos(d)", "-sin(d)", "pi"),
+    ] {
+        for rate in ["e - d", "a*e"] {
+            let system = parsed(&format!(
+                "states = ['a', 'b', 'd', 'e']\ninputs = ['u']\n\
+                 dynamics = {{ a = 'b - ({slope})*({rate})', b = '(2 + sin(a))*u', d = '{rate}', e = 'a - e' }}\n\
+                 outputs = {{ y = 'a + {bend}' }}\n[point]\nd = '{at}'\n"
+            ));
+            let form = found(&system, Form::ByrnesIsidori);
+            assert_eq!(form.regular_at_point, Some(true), "{bend}, {rate}");
+        }
+    }
+}
