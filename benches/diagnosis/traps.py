@@ -101,7 +101,11 @@ FAULTS: dict[str, set[str]] = {
     "drift": {"sensor_drift"},
     "filter": {"sensor_lag"},
     "hidden_mode": set(),
+    # The parameter has another value for most of the time.
+    "slow_change": {"parameter_error"},
 }
+#: Faults that have no name of their own: an abstention is right, too.
+NAMELESS = {"slow_change"}
 UNITS = [1000, 1e-3, 180 / math.pi, math.pi / 180, 100, 0.01, 2 * math.pi, 60 / (2 * math.pi), 60, 9.80665, 0.0254]
 
 
@@ -160,11 +164,19 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
     hidden = [0.0, 0.0]
     which = rng.choice(sorted(set(p) - {"b", "d"}))
     grow = rng.choice([0.6, 1.5])
+    lasting, fading = (rng.uniform(0.4, 1.0) * n, rng.random() < 0.5) if fault == "slow_change" else (n, False)
+
+    def factor(k: int) -> float:
+        """By which the parameter `which` has changed at a step."""
+        if fault == "jump":
+            return grow if k > jump_at else 1.0
+        if fault == "slow_change":
+            share = 1 - math.exp(-4 * k / lasting) if fading else min(max((k - jump_at) / lasting + 0.5, 0.0), 1.0)
+            return 1 + (grow - 1) * share
+        return 1.0
 
     def rate(z: dict[str, float], u: float, k: int) -> dict[str, float]:
-        at = true
-        if fault == "jump" and k > jump_at:
-            at = {**true, which: true[which] * grow}
+        at = {**true, which: true[which] * factor(k)}
         scope = {**names, **at, **z, inputs: u}
         d = {s: eval(code[s], {"__builtins__": {}}, scope) for s in plant.states}
         v, x = z[speed], z[position]
@@ -201,13 +213,10 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
         if plant.friction or fault == "coulomb":
             # Friction by a step that never reverses the motion; everything else by an explicit step.
             free = rate({**z, dry[0]: z[dry[0]]}, u, k)
-            if plant.friction:
-                free[dry[0]] += dry[1] * names["sign"](z[dry[0]])
-                if fault == "jump" and k > jump_at:
-                    free[dry[0]] += (dry[1] * (grow if which == "Fc" else 1 / grow if which == "m" else 1) - dry[1]) * names["sign"](z[dry[0]])
             level = dry[1]
-            if fault == "jump" and k > jump_at and plant.friction:
-                level *= grow if which == "Fc" else 1 / grow
+            if plant.friction:
+                level *= factor(k) if which == "Fc" else 1 / factor(k)
+                free[dry[0]] += level * names["sign"](z[dry[0]])
             for s in plant.states:
                 z[s] += STEP * free[s] if s != dry[0] else 0.0
             v = z[dry[0]] + STEP * free[dry[0]]
@@ -287,7 +296,7 @@ def judge(fault: str, answer: dict) -> str:
     if verdict in right or ("wrong_unit" in right and any(w in verdict for w in ("it is in", "its rate is in", "wrong_unit"))):
         return "right"
     if not named:
-        has_name = right & NAMES
+        has_name = right & NAMES if fault not in NAMELESS else set()
         return "open" if has_name else ("right" if verdict in ABSTAINED else "open")
     sets = [{c["name"], *c.get("confusable_with", [])} for c in named]
     if all(s & right for s in sets) or (sets[0] & right and named[0]["name"] in right and len(named) <= 2):

@@ -42,6 +42,7 @@ pub enum Cause {
     LiftOff,
     Backlash,
     ParameterError,
+    ParameterJump,
     WrongSign,
     WrongUnit,
     SwappedColumns,

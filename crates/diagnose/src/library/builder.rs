@@ -244,19 +244,33 @@ impl Builder {
                 self.known.push((effect.cause, values));
             }
         }
+        self.scale(&mut effect, row, &mut extended, columns);
+        self.effects.push(effect);
+        Ok(())
+    }
+
+    /// An effect that no model has already, with typical sizes.
+    pub(crate) fn scaled(&mut self, mut effect: Effect, row: usize) -> Result<Effect, DiagnoseError> {
+        let mut extended = self.system.clone();
+        effect.apply(&mut extended)?;
+        let columns = columns(&mut extended, &effect);
+        self.scale(&mut effect, row, &mut extended, columns);
+        Ok(effect)
+    }
+
+    /// Sets the typical sizes of amplitudes by their columns in the equations of the extended model.
+    fn scale(&mut self, effect: &mut Effect, row: usize, extended: &mut System, columns: Vec<Option<Vec<Expr>>>) {
         let own = self.system.dynamics[row];
         let typical = self.data.rms(&mut self.system, &[own])[0];
         for (c, column) in effect.coefficients.iter_mut().zip(columns) {
             let Some(column) = column else { continue };
-            let sizes = self.data.rms(&mut extended, &column);
+            let sizes = self.data.rms(extended, &column);
             let own = if sizes[row] > 0.0 { sizes[row] } else { sizes.iter().copied().fold(0.0, f64::max) };
             let size = self.settings.typical_share * typical / own;
             let room = (c.max - c.nominal).max(c.nominal - c.min);
             let tried = c.trials.get(c.trials.len() / 2).map_or(1.0, |trial| (trial - c.nominal).abs());
             c.scale = if size.is_finite() && size > 0.0 { size.min(room) } else { room.min(tried) };
         }
-        self.effects.push(effect);
-        Ok(())
     }
 
     /// Whether a column is that of a parameter that is not zero, up to a constant factor: to refit the parameter is the

@@ -182,7 +182,7 @@ impl Builder {
 }
 
 /// The median sampling interval, s.
-fn interval(records: &[Record]) -> f64 {
+pub(super) fn interval(records: &[Record]) -> f64 {
     median(records.iter().flat_map(|r| steps(&r.times)).collect()).filter(|s| *s > 0.0).unwrap_or(1e-3)
 }
 

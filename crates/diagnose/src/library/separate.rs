@@ -66,6 +66,7 @@ fn family(cause: Cause) -> Family {
         | Cause::YawFriction
         | Cause::ComOffset => Family::Contact,
         Cause::PeriodicDisturbance
+        | Cause::ParameterJump
         | Cause::LiftOff
         | Cause::Backlash
         | Cause::DeadZone
@@ -321,6 +322,7 @@ fn isolating(e: &Effect, system: &System) -> String {
         }
         Cause::Leak | Cause::QuadraticLoss => format!("let {v} fall without input, from a high and from a low value"),
         Cause::SensorBias => format!("read {v} at rest against a second instrument"),
+        Cause::ParameterJump => "repeat the same run, long before and long after the time of the change".to_owned(),
         Cause::SensorDrift => format!("read {v} at rest over a long time"),
         Cause::DeadZone => format!("apply small values of {v}, growing slowly from 0"),
         Cause::Saturation => format!("repeat with {v} at half its size"),

@@ -120,8 +120,12 @@ pub(crate) fn intervals(fit: &Fit, at: &Linearization, width: f64, settings: &Di
     let hardly = hardly_told(fit, at, width, settings.study.priors.unidentified_share);
     let mut of_values = vec![None; fit.values.len()];
     let mut alike = Vec::new();
-    let steps = bootstrap(at, &fit.limited, settings.gain.resamples, settings.seed).unwrap_or_default();
+    let single = of_one_window(at, fit.values.len(), settings.gain.most_of_one_window);
+    let held: Vec<usize> = fit.limited.iter().chain(&single).copied().collect();
+    let steps = bootstrap(at, &held, settings.gain.resamples, settings.seed).unwrap_or_default();
     for (j, (estimate, step)) in fit.values.iter().zip(steps).enumerate() {
+        let half = NORMAL * estimate.widened(width);
+        let step = if single.contains(&j) && !fit.limited.contains(&j) { Some([-half, half]) } else { step };
         // What the data do not tell keeps near the prior in every resample.
         let Some([low, high]) = step.filter(|_| !hardly.contains(&j)) else { continue };
         if high - low < settings.gain.narrowest_interval * 2.0 * NORMAL * estimate.widened(width) {
@@ -132,6 +136,17 @@ pub(crate) fn intervals(fit: &Fit, at: &Linearization, width: f64, settings: &Di
         }
     }
     Intervals { of_values, hardly, alike }
+}
+
+/// Places of the first values, `count` of them, of which one window tells more than the share `most`, as the instant of a change:
+/// resamples that leave it out tell nothing of them.
+fn of_one_window(at: &Linearization, count: usize, most: f64) -> Vec<usize> {
+    let alone = |&j: &usize| {
+        let told = at.windows.iter().map(|normal| normal.gram[(j, j)]);
+        let (sum, largest) = told.fold((0.0, 0.0), |(sum, largest): (f64, f64), g| (sum + g, largest.max(g)));
+        largest > most * sum
+    };
+    (0..count).filter(alone).collect()
 }
 
 /// Least and largest value that the mathematics allows a coefficient of an effect; all numbers for a parameter of the model.

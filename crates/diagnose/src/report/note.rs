@@ -112,6 +112,17 @@ pub enum Flag {
     SmallerThanUnknown(Cause),
     /// A small cause that the data do not tell from others of another kind.
     OneOfSeveralKinds(Cause),
+    /// What has changed during the run.
+    Jumped {
+        /// Its name.
+        name: String,
+        /// Value before the change.
+        from: f64,
+        /// Value after it.
+        to: f64,
+        /// Time of the change, s.
+        at: f64,
+    },
     /// A delay is half the sampling time.
     HalfSample {
         /// Whether the inputs were read as straight lines.

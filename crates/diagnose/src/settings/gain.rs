@@ -12,6 +12,9 @@ settings! {
         /// An interval narrower than this share of the one that the standard deviation promises is withheld: resampled windows
         /// that all agree on a wrong value do not scatter.
         narrowest_interval: f64 = 0.125,
+        /// A number of which one window tells more than this share has the interval of its standard deviation: resamples that leave this
+        /// window out tell nothing of it.
+        most_of_one_window: f64 = 0.9,
     }
 
     /// Multi-step predictions on held-out data.

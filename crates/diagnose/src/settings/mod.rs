@@ -28,8 +28,8 @@ pub use library::LibrarySettings;
 pub use read::{ConsistencySettings, DecimationSettings, NoiseSettings, ReadSettings, RepairSettings};
 pub use study::{PriorSettings, SolverSettings, StudySettings, TimeScaleSettings, WindowSettings};
 pub use verdict::{
-    AlarmSettings, ColumnSettings, NamingSettings, PeriodSettings, PlaceSettings, RivalSettings, SearchSettings,
-    SelectionSettings, SignalSettings, VerdictSettings,
+    AlarmSettings, ColumnSettings, JumpSettings, NamingSettings, PeriodSettings, PlaceSettings, RivalSettings,
+    SearchSettings, SelectionSettings, SignalSettings, VerdictSettings,
 };
 
 use crate::effect::Effect;

@@ -10,6 +10,8 @@ settings! {
         signals: SignalSettings = SignalSettings::default(),
         /// Periods of disturbances.
         periods: PeriodSettings = PeriodSettings::default(),
+        /// Changes during a run.
+        jumps: JumpSettings = JumpSettings::default(),
         /// Exact fits of sets of candidates.
         search: SearchSettings = SearchSettings::default(),
         /// Which candidates are fitted and selected.
@@ -65,6 +67,22 @@ settings! {
         most_refined_peaks: usize = 24,
         /// Most periods that are tried.
         most_periods: usize = 6,
+    }
+
+    /// Changes during a run.
+    JumpSettings {
+        /// Fewest windows among whose starts an instant is looked for.
+        fewest_windows: usize = 4,
+        /// None is looked for where another candidate promises this share of the excess.
+        told: f64 = 0.9,
+        /// A change is tried if it promises this share of the excess: smaller ones may be the image of something else.
+        least_share: f64 = 0.3,
+        /// Most changes that are tried.
+        most: usize = 3,
+        /// Instants that are tried in the window before the best one, and in that after it.
+        trials_per_window: usize = 4,
+        /// Duration, over that of a window, from which the fit of a slow change starts.
+        spread: f64 = 0.5,
     }
 
     /// Exact fits of sets of candidates.

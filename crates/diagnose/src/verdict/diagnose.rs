@@ -23,13 +23,13 @@ use super::select::{Selection, add_all, backwards, select};
 use super::stage::Stage;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
-use super::{periods, scale, write};
+use super::{jumps, periods, scale, write};
 use crate::effort::Counter;
 use crate::library::{candidates, dictionary};
 use crate::report::{Caveat, Fits, Note};
 use crate::settings::{DiagnosisSettings, SearchSettings, StudySettings};
 use crate::study::{Windows, shorter_windows};
-use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
+use crate::{Cause, DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
 /// measured.
@@ -354,10 +354,17 @@ impl<'a> Attempt<'a> {
         }
         let mut library = library.to_vec();
         periods::tune(study, &fit, &mut library, &limits.periods);
-        let named: Vec<usize> = (0..library.len()).collect();
+        let mut named: Vec<usize> = (0..library.len()).collect();
         progress(Stage::Screen { candidates: library.len() });
         let mut search = Search::new(study, library, windows, limits);
         let base = search.nothing(fit);
+        let changes = jumps::promising(&mut search, &base, &named, settings)?;
+        search.scanned = changes.scanned;
+        for change in changes.effects {
+            let places = search.extend(change.to_vec());
+            search.changes.extend(<[usize; 2]>::try_from(places.as_slice()));
+            named.extend(places);
+        }
         let patient = near.is_some() || settings.study.window.is_some();
         // Three causes at once are left to the windows that suit what remains.
         let brief = DiagnosisSettings { max_causes: settings.max_causes.min(2), ..settings.clone() };
@@ -394,7 +401,7 @@ fn from_short_windows(
     Ok(fit)
 }
 
-/// Whether some pair of candidates promises to bring the residual near the noise, or a delay or a filter does so.
+/// Whether some pair of candidates promises to bring the residual near the noise, or a delay, a filter, or a jump does so.
 fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
     let linearized = search.linearized(base, named)?;
     let promised = search.pairs(&linearized, 1).first().map_or(0.0, |p| p.square);
@@ -403,12 +410,11 @@ fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) ->
     if near(base.square() - promised) {
         return Ok(true);
     }
-    // Secants of delays and filters hold less far than others.
+    // Secants of delays, filters, and jumps hold less far than others.
     let mut late = search.singles(&linearized);
     let least = search.settings.search.least_late * base.alarm.excess();
-    late.retain(|promise| {
-        promise.square >= least && promise.candidates.iter().all(|&c| search.candidates[c].is_late())
-    });
+    let far = |effect: &Effect| effect.is_late() || effect.cause == Cause::ParameterJump;
+    late.retain(|promise| promise.square >= least && promise.candidates.iter().all(|&c| far(&search.candidates[c])));
     late.truncate(search.settings.search.most_late);
     Ok(add_all(search, base, &late).into_iter().flatten().any(|explanation| near(explanation.square())))
 }

@@ -8,6 +8,7 @@ mod explanation;
 mod findings;
 mod held_out;
 mod hold;
+mod jumps;
 mod motion;
 mod noise;
 mod periods;

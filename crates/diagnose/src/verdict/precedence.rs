@@ -34,6 +34,7 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
         Cause::SensorLag => 1.25,
         Cause::SensorDrift
         | Cause::PeriodicDisturbance
+        | Cause::ParameterJump
         | Cause::Backlash
         | Cause::LiftOff
         | Cause::WrongSign

@@ -22,6 +22,10 @@ pub(crate) struct Search<'a> {
     pub(crate) candidates: Vec<Effect>,
     pub(crate) windows: Vec<usize>,
     pub(super) settings: &'a VerdictSettings,
+    /// Places of changes at an instant, with those of the same changes slowly.
+    pub(super) changes: Vec<[usize; 2]>,
+    /// Instants at which changes were put against the data, beside the candidates.
+    pub(super) scanned: f64,
     /// Initial values per window.
     initial: usize,
     known: HashMap<Vec<usize>, Option<Explanation>>,
@@ -63,6 +67,8 @@ impl<'a> Search<'a> {
             candidates,
             windows,
             settings,
+            changes: Vec::new(),
+            scanned: 0.0,
             initial,
             known: HashMap::new(),
             started: HashSet::new(),
@@ -258,8 +264,7 @@ impl<'a> Search<'a> {
         explanation: &Explanation,
         among: &[usize],
     ) -> Result<Arc<Linearized>, DiagnoseError> {
-        let beside =
-            |c: usize| explanation.members.iter().all(|&m| m != c && !same_filter([m, c].map(|i| &self.candidates[i])));
+        let beside = |c: usize| explanation.members.iter().all(|&m| m != c && !self.same([m, c]));
         let others: Vec<usize> = among.iter().copied().filter(|&c| beside(c)).collect();
         let mut key = explanation.members.clone();
         key.sort_unstable();
@@ -336,6 +341,13 @@ impl<'a> Search<'a> {
         promises
     }
 
+    /// Whether both are filters of the same columns, or changes of the same parameter: one stands for the other.
+    fn same(&self, pair: [usize; 2]) -> bool {
+        let [a, b] = pair.map(|c| &self.candidates[c]);
+        let filters = a.is_filter() && b.is_filter() && a.equation == b.equation;
+        filters || self.changes.iter().any(|change| pair.iter().all(|c| change.contains(c)))
+    }
+
     /// What pairs of candidates promise at their best trials, the best first; `most` of them.
     pub(crate) fn pairs(&self, linearized: &Linearized, most: usize) -> Vec<Promise> {
         let Linearized { linearization, scores, others } = linearized;
@@ -343,8 +355,7 @@ impl<'a> Search<'a> {
         let mut best: Vec<Option<PairGain>> = vec![None; n * n];
         for (i, a) in scores.groups.iter().enumerate() {
             for (j, b) in scores.groups.iter().enumerate() {
-                let pair = [a.candidate, b.candidate].map(|c| &self.candidates[others[c]]);
-                if a.candidate >= b.candidate || same_filter(pair) {
+                if a.candidate >= b.candidate || self.same([a.candidate, b.candidate].map(|c| others[c])) {
                     continue;
                 }
                 let columns: Vec<usize> = a.columns.iter().chain(&b.columns).copied().collect();
@@ -453,9 +464,4 @@ fn start(
             (c.name.clone(), value.clamp(c.min, c.max))
         })
         .collect()
-}
-
-/// Whether both are filters of the same columns: one stands for the other.
-fn same_filter([a, b]: [&Effect; 2]) -> bool {
-    a.is_filter() && b.is_filter() && a.equation == b.equation
 }

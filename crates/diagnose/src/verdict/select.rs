@@ -1,6 +1,7 @@
 //! Forward selection with pairs, then backwards.
 
 use super::explanation::{Explanation, Promise};
+use super::jumps::with_slow_changes;
 use super::noise::Scatter;
 use super::precedence::surprise;
 use super::search::{Search, Wanted};
@@ -37,7 +38,7 @@ pub(crate) fn select(
 ) -> Result<Selection, DiagnoseError> {
     let linearized = search.linearized(base, among)?;
     let mut promises = search.singles(&linearized);
-    let tests = linearized.scores.groups.len().max(1) as f64;
+    let tests = linearized.scores.groups.len().max(1) as f64 + search.scanned;
     let scatter_at_base = Scatter::linearized(&base.alarm, &linearized.scores);
     let screened_at_base = screened(&promises, &scatter_at_base, tests);
     let mut selection = Selection { chosen: base.clone(), scatter: scatter_at_base, tests, screened: screened_at_base };
@@ -93,6 +94,8 @@ fn attempts(
     let near = promises.iter().take_while(|p| p.square >= limits.near_best * top).take(limits.most_single_fits);
     tried.extend(add_all(search, current, near).into_iter().flatten());
     tried.extend(search.with_sign_flips(current));
+    let spread = settings.verdict.jumps.spread;
+    tried.extend(with_slow_changes(search, &tried, spread));
     // What is fitted already counts, whatever it promised.
     let more = |e: &&Explanation| {
         e.members.len() == current.members.len() + 1 && current.members.iter().all(|m| e.members.contains(m))
@@ -108,7 +111,9 @@ fn attempts(
             let added = (current.coefficients + promise.coefficients).saturating_sub(reached.coefficients);
             more > 0.0 && scatter.p_value(more, added) * selection.tests.powi(2) < settings.significance
         });
-        tried.extend(add_all(search, current, &pairs).into_iter().flatten());
+        let pairs: Vec<Explanation> = add_all(search, current, &pairs).into_iter().flatten().collect();
+        tried.extend(with_slow_changes(search, &pairs, spread));
+        tried.extend(pairs);
     }
     Ok(tried)
 }

@@ -7,6 +7,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::explanation::Explanation;
 use super::findings::{Ending, Findings, Rivals};
+use super::jumps::Jumped;
 use super::proven::worth;
 use super::ranking::ranking;
 use super::search::Search;
@@ -210,6 +211,14 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
         .collect();
     let (name, mut flags) =
         physical_name(&effect, &estimates, findings.scatter.width(), limits.naming.near_no_friction);
+    if name == Cause::ParameterJump {
+        flags.extend(Jumped::of(&effect, &chosen.fit).map(|j| Flag::Jumped {
+            name: j.name,
+            from: j.from,
+            to: j.to,
+            at: j.at,
+        }));
+    }
     flags.extend(hold_delays(search, &effect, &estimates));
     flags.extend(chosen.stopped(limits.search.vanished).map(|p| Flag::ParameterAtLimit(p.to_owned())));
     let others: Vec<Rival> = rivals

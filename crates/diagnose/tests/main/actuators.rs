@@ -11,7 +11,16 @@ use rand_distr::{Distribution, Normal};
 
 /// Ten seconds of the spring under a force that is held between samples; `arriving` is what acts of it, and `shown` what the sensor shows
 /// of the position, called with the time since the call before.
-fn record(seed: u64, arriving: impl Fn(f64) -> f64, mut shown: impl FnMut(f64, f64) -> f64) -> Record {
+fn record(seed: u64, arriving: impl Fn(f64) -> f64, shown: impl FnMut(f64, f64) -> f64) -> Record {
+    changing(seed, |_, z, force| arriving(force) - 20.0 * z[0] - 0.5 * z[1], shown)
+}
+
+/// The same with any force on the mass at a time, by position and velocity and by the force that is logged.
+pub(crate) fn changing(
+    seed: u64,
+    acting: impl Fn(f64, &[f64; 2], f64) -> f64,
+    mut shown: impl FnMut(f64, f64) -> f64,
+) -> Record {
     let mut random = StdRng::seed_from_u64(seed);
     let lines: Vec<(f64, f64)> =
         (0..12).map(|_| (random.random_range(0.2..2.5), random.random_range(0.0..TAU))).collect();
@@ -25,9 +34,10 @@ fn record(seed: u64, arriving: impl Fn(f64) -> f64, mut shown: impl FnMut(f64, f
         forces.push(force(t));
         positions.push(read);
         velocities.push(z[1]);
-        let acting = arriving(force(t));
-        for _ in 0..20 {
-            z = crate::integrate::step(|z: &[f64; 2], _| [z[1], acting - 20.0 * z[0] - 0.5 * z[1]], &z, STEP / 20.0);
+        let held = force(t);
+        for i in 0..20 {
+            let now = t + f64::from(i) * STEP / 20.0;
+            z = crate::integrate::step(|z: &[f64; 2], _| [z[1], acting(now, z, held)], &z, STEP / 20.0);
             read = shown(STEP / 20.0, z[0]);
         }
     }
@@ -43,7 +53,7 @@ fn record(seed: u64, arriving: impl Fn(f64) -> f64, mut shown: impl FnMut(f64, f
     Record::from_columns("run.csv", times, columns, &system, &RecordSettings::default()).unwrap()
 }
 
-fn verdict(record: Record) -> Report {
+pub(crate) fn verdict(record: Record) -> Report {
     let system = spring();
     diagnose(&system, &[record], &[], &DiagnosisSettings::default(), &mut |_| {}).unwrap()
 }

@@ -9,6 +9,7 @@ mod apply;
 mod archives;
 mod audits;
 mod caveats;
+mod changes;
 mod effort;
 mod extend;
 mod force_error;

@@ -265,6 +265,14 @@ pub(super) fn flag(flag: &Flag) -> String {
             "small compared with the other causes, and {cause} explains it no better than causes of another kind: \
              naming it would be a guess"
         ),
+        Flag::Jumped { name, from, to, at } => {
+            format!(
+                "{name} changes from {} to {} at t = {} s",
+                significant(*from, 4),
+                significant(*to, 4),
+                significant(*at, 4)
+            )
+        }
         Flag::HalfSample { lines } => {
             let remedy = if *lines {
                 "held inputs look like this when they are interpolated linearly; try --hold previous"
