@@ -1,7 +1,8 @@
 //! What a diagnosis costs, in counts that are the same on every machine.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
 
 use bracketry_sim::Statistics;
 use serde::Serialize;
@@ -23,9 +24,12 @@ pub struct Effort {
     pub evaluations: u64,
 }
 
-/// Counts the effort of all studies that share it.
+/// Counts the effort of all studies that share it, and knows when the search for causes is to end.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Counter(Arc<Counts>);
+pub(crate) struct Counter {
+    counts: Arc<Counts>,
+    deadline: Option<Instant>,
+}
 
 #[derive(Debug, Default)]
 struct Counts {
@@ -35,6 +39,10 @@ struct Counts {
     steps: AtomicU64,
     rejected: AtomicU64,
     evaluations: AtomicU64,
+    /// Fits that were not made, or not to their end, because the time was over.
+    left_out: AtomicU64,
+    /// Whether the search for causes has ended.
+    ended: AtomicBool,
 }
 
 /// Sums alone are read, so that no order matters.
@@ -43,32 +51,62 @@ fn add(count: &AtomicU64, more: usize) {
 }
 
 impl Counter {
+    /// With a time at which the search for causes ends.
+    pub(crate) fn until(deadline: Option<Instant>) -> Self {
+        Self { deadline, ..Self::default() }
+    }
+
+    /// Whether the time of the search is over.
+    pub(crate) fn is_over(&self) -> bool {
+        self.deadline.is_some_and(|end| Instant::now() >= end)
+    }
+
+    /// Whether a fit is to end early: those that measure the gain of what was found are not.
+    pub(crate) fn cuts_fits(&self) -> bool {
+        !self.counts.ended.load(Ordering::Relaxed) && self.is_over()
+    }
+
+    /// A search begins, or it ends.
+    pub(crate) fn set_ended(&self, ended: bool) {
+        self.counts.ended.store(ended, Ordering::Relaxed);
+    }
+
+    /// Some fits were left out.
+    pub(crate) fn leave_out(&self, fits: usize) {
+        add(&self.counts.left_out, fits);
+    }
+
+    /// How many fits were left out.
+    pub(crate) fn left_out(&self) -> u64 {
+        self.counts.left_out.load(Ordering::Relaxed)
+    }
+
     pub(crate) fn fit(&self) {
-        add(&self.0.fits, 1);
+        add(&self.counts.fits, 1);
     }
 
     pub(crate) fn linearization(&self) {
-        add(&self.0.linearizations, 1);
+        add(&self.counts.linearizations, 1);
     }
 
     /// A simulation, by the work of the integrator before and after it.
     pub(crate) fn simulation(&self, before: Statistics, after: Statistics) {
-        add(&self.0.simulations, 1);
-        add(&self.0.steps, after.steps - before.steps);
-        add(&self.0.rejected, after.rejected - before.rejected);
-        add(&self.0.evaluations, after.rhs - before.rhs);
+        add(&self.counts.simulations, 1);
+        add(&self.counts.steps, after.steps - before.steps);
+        add(&self.counts.rejected, after.rejected - before.rejected);
+        add(&self.counts.evaluations, after.rhs - before.rhs);
     }
 
     /// What has been counted so far.
     pub(crate) fn effort(&self) -> Effort {
         let of = |count: &AtomicU64| count.load(Ordering::Relaxed);
         Effort {
-            fits: of(&self.0.fits),
-            linearizations: of(&self.0.linearizations),
-            simulations: of(&self.0.simulations),
-            steps: of(&self.0.steps),
-            rejected: of(&self.0.rejected),
-            evaluations: of(&self.0.evaluations),
+            fits: of(&self.counts.fits),
+            linearizations: of(&self.counts.linearizations),
+            simulations: of(&self.counts.simulations),
+            steps: of(&self.counts.steps),
+            rejected: of(&self.counts.rejected),
+            evaluations: of(&self.counts.evaluations),
         }
     }
 }

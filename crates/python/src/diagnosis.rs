@@ -17,7 +17,7 @@ use pyo3::types::PyDict;
 
 use crate::error::Failure;
 use crate::figures::Figures;
-use crate::interrupt::watched;
+use crate::interrupt::{seconds, watched};
 use crate::model::Model;
 use crate::tables::{Answer, columns, hold};
 
@@ -61,7 +61,7 @@ fn read(sources: Vec<Source>, system: &System, settings: &RecordSettings) -> Res
 
 /// Diagnoses runs, and measures the gain on further ones.
 #[pyfunction]
-#[pyo3(signature = (model, data, validate, *, hold_inputs, rename, fix, reference, max_causes, seed, window, horizon, threads))]
+#[pyo3(signature = (model, data, validate, *, hold_inputs, rename, fix, reference, max_causes, seed, window, horizon, time_limit, threads))]
 #[allow(clippy::too_many_arguments, reason = "keywords, all of them given by the Python function")]
 pub(crate) fn diagnose<'py>(
     py: Python<'py>,
@@ -76,9 +76,11 @@ pub(crate) fn diagnose<'py>(
     seed: Option<u64>,
     window: Option<f64>,
     horizon: Vec<f64>,
+    time_limit: f64,
     threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let reading = RecordSettings { hold: hold_inputs.map(hold).transpose()?, rename, ..Default::default() };
+    let time_limit = Some(seconds(time_limit)?);
     let data: Vec<Source> = data.into_iter().map(Source::from).collect();
     let validate: Vec<Source> = validate.into_iter().map(Source::from).collect();
     let mut system = model.get().system.clone();
@@ -100,6 +102,7 @@ pub(crate) fn diagnose<'py>(
                 seed: seed.unwrap_or(defaults.seed),
                 candidates,
                 gain: GainSettings::with_horizons(&horizon),
+                time_limit,
                 ..defaults
             };
             let report = run(&system, &records, &validate, &settings, &mut |_| {})?;

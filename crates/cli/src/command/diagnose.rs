@@ -1,11 +1,12 @@
 //! `bracketry diagnose`: what a model gets wrong, by name, from measured data.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    DiagnosisSettings, GainSettings, Record, RecordSettings, Report, StudySettings, diagnose, read_record,
+    DiagnosisSettings, GainSettings, Note, Record, RecordSettings, Report, StudySettings, diagnose, read_record,
     reference_candidates,
 };
 use bracketry::lie::analysis::RankChange;
@@ -14,6 +15,7 @@ use bracketry::system::System;
 use clap::Args;
 
 use super::file_kind::{FileKind, Given};
+use super::limits::seconds;
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
 use super::seed::seed;
@@ -64,6 +66,9 @@ pub(crate) struct DiagnoseArgs {
     /// Another model of the same system: terms of its equations that MODEL lacks become candidates
     #[arg(long, value_name = "MODEL2")]
     reference: Option<PathBuf>,
+    /// End the search for causes after this many seconds in all; what was left out is reported
+    #[arg(long, alias = "budget", value_name = "SECONDS", default_value = "600", allow_negative_numbers = true, value_parser = seconds)]
+    pub(crate) time_limit: Duration,
     /// Largest number of causes named together
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = DiagnosisSettings::default().max_causes)]
     max_causes: usize,
@@ -90,7 +95,7 @@ fn renaming(text: &str) -> Result<(String, String), String> {
 
 /// Reads, diagnoses, and writes what was found.
 pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
-    let system = System::read(&args.model)?;
+    let system = output.limits.read(&args.model)?;
     system.check_denominators().with_context(|| args.model.display().to_string())?;
     let reading = RecordSettings {
         hold: args.hold.map(|hold| match hold {
@@ -108,6 +113,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
     let settings = DiagnosisSettings {
         study: StudySettings { window: args.window, fixed: args.fix.clone(), ..StudySettings::default() },
         max_causes: args.max_causes,
+        time_limit: Some(args.time_limit),
         seed: args.seed,
         candidates: match &args.reference {
             Some(path) => reference_candidates(&system, &System::read(path)?)
@@ -152,7 +158,8 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
 }
 
 fn outcome(report: &Report) -> Outcome {
-    if report.verdict.is_conclusive() { Outcome::Done } else { Outcome::Negative }
+    let is_cut = report.notes.iter().any(|note| matches!(note, Note::TimeLimit { .. }));
+    if report.verdict.is_conclusive() && !is_cut { Outcome::Done } else { Outcome::Negative }
 }
 
 /// Writes report and figures.

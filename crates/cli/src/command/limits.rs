@@ -35,13 +35,17 @@ pub(crate) struct TimeLimit {
 }
 
 impl TimeLimit {
+    pub(crate) fn of(limit: Duration) -> Self {
+        Self { limit }
+    }
+
     pub(crate) fn get(self) -> Duration {
         self.limit
     }
 }
 
 /// A positive number of seconds.
-fn seconds(text: &str) -> Result<Duration, String> {
+pub(crate) fn seconds(text: &str) -> Result<Duration, String> {
     let given: Option<f64> = text.parse().ok().filter(|s| *s > 0.0);
     let given = given.ok_or("give a positive number of seconds")?;
     Ok(Duration::from_secs_f64(given.min(LONGEST)))

@@ -144,7 +144,7 @@ enum Command {
     #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
         ("Exit codes",
             "0  a cause is found, named or as an unknown term, or nothing is wrong\n\
-             1  a column is wrong, the error is explained only in part or not at all, or the data are uninformative\n2  bad input"),
+             1  a column is wrong, the error is explained only in part or not at all, the data are uninformative, or the time limit was reached\n2  bad input"),
         UNITS,
     ]))]
     Diagnose(Box<diagnose::DiagnoseArgs>),
@@ -180,6 +180,7 @@ impl Command {
             Self::Certify(args) => Some(args.time_limit),
             Self::Transform(args) => Some(args.time_limit),
             Self::Steer(args) => Some(args.time_limit),
+            Self::Diagnose(args) => Some(TimeLimit::of(args.time_limit)),
             _ => None,
         }
     }

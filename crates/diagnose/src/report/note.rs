@@ -64,6 +64,13 @@ pub enum Note {
         /// Length of the windows before, s.
         used: f64,
     },
+    /// The search for causes ended at its time limit.
+    TimeLimit {
+        /// The limit, s.
+        seconds: f64,
+        /// Fits that were not made, or not to their end, at least.
+        left_out: u64,
+    },
     /// Measured columns that are not significant above their noise.
     StillColumns(Vec<String>),
     /// Inputs that continue otherwise between samples explain the data without any cause.

@@ -32,6 +32,8 @@ pub use verdict::{
     SearchSettings, SelectionSettings, SignalSettings, VerdictSettings,
 };
 
+use std::time::Duration;
+
 use crate::effect::Effect;
 
 settings! {
@@ -53,6 +55,8 @@ settings! {
         tolerance: f64 = 0.075,
         /// Seed of the resampling.
         seed: u64 = 1,
+        /// Time after which the search for causes ends and what was found is reported, with what was left out; `None` for no limit.
+        time_limit: Option<Duration> = None,
         /// Effects to try in addition to those of the library.
         candidates: Vec<Effect> = Vec::new(),
     }

@@ -91,6 +91,8 @@ settings! {
         most_windows: usize = 330,
         /// Lengths of windows, as shares of the longest, with which parameters that are far off start.
         shorter: Vec<f64> = vec![0.25, 0.0625],
+        /// Share of a time limit after which the search for causes ends; the rest is for intervals and the gain.
+        share_of_time: f64 = 0.7,
         /// What stays unexplained is looked at in these windows, too, where they are shorter than this many of those before.
         shorter_than: f64 = 0.75,
         /// Long windows are worth a search if a pair of candidates promises a residual of at most this many times the noise.

@@ -171,6 +171,10 @@ fn minimize(
     }
     let mut normals = linearize(slots, compiled, &theta);
     for iteration in 1..=iterations {
+        if iteration > 1 && compiled.counter.cuts_fits() {
+            compiled.counter.leave_out(1);
+            break;
+        }
         let cost = slots.iter().map(Slot::cost).sum::<f64>() + penalty(unknowns, &theta);
         let settled = settled(slots, cost, solver);
         let mut rejected = false;

@@ -57,11 +57,15 @@ pub fn diagnose(
         let name = "the horizon of predictions (--horizon)";
         return Err(DiagnoseError::Setting { name, value, requirement: "positive" });
     }
-    let counter = Counter::default();
+    let share = settings.verdict.search.share_of_time;
+    let counter = Counter::until(settings.time_limit.and_then(|limit| started.checked_add(limit.mul_f64(share))));
     let data = distinct(records, validate);
     let mut report = examined(system, data.clone(), true, settings, &counter, progress)?;
     if report.verdict == Verdict::Unexplained && settings.study.window.is_none() {
         report = in_shorter_windows(system, &data, report, settings, &counter, progress)?;
+    }
+    if let (Some(limit), true) = (settings.time_limit, counter.is_over() && counter.left_out() > 0) {
+        report.notes.push(Note::TimeLimit { seconds: limit.as_secs_f64(), left_out: counter.left_out() });
     }
     report.effort = counter.effort();
     report.data = records.iter().chain(validate).filter_map(|r| r.audit.clone()).collect();
@@ -85,6 +89,10 @@ fn in_shorter_windows(
         if seconds > settings.verdict.search.shorter_than * used {
             continue;
         }
+        if counter.is_over() {
+            counter.leave_out(1);
+            break;
+        }
         let study = StudySettings { window: Some(seconds), ..settings.study.clone() };
         let settings = DiagnosisSettings { study, ..settings.clone() };
         let mut found = examined(system, data.clone(), true, &settings, counter, progress)?;
@@ -107,6 +115,7 @@ fn examined(
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     progress(Stage::Refit);
+    counter.set_ended(false);
     let Distinct { mut records, mut validate, mut notes } = data;
     let mut library = candidates(system, &records, &settings.library)?;
     // What another model suggests may be in the library already.
@@ -132,7 +141,8 @@ fn examined(
         study = &weighed;
         attempt = Attempt::new(study, None, &library, settings, progress)?;
     }
-    let structured = attempt.selection.chosen.alarm.p_value < settings.significance
+    let structured = !counter.is_over()
+        && attempt.selection.chosen.alarm.p_value < settings.significance
         && !attempt.selection.chosen.spans(&attempt.base, &settings.verdict.search);
     if structured && settings.study.window.is_none() {
         progress(Stage::Refit);
@@ -143,7 +153,10 @@ fn examined(
         }
     }
     let Attempt { mut search, mut base, selection } = attempt;
-    if lines && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)? {
+    if lines
+        && !counter.is_over()
+        && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)?
+    {
         notes.push(note);
         let data = Distinct { records: better, validate: curved(system, &validate, &settings.verdict.signals), notes };
         return examined(system, data, false, settings, counter, progress);
@@ -172,6 +185,7 @@ fn examined(
     } else {
         Ending::Quiet
     };
+    counter.set_ended(true);
     let findings = Findings { base, chosen, rivals, scatter, tests, alarm, ending };
     let mut report = written(system, &mut search, &findings, validate, settings, progress)?;
     report.notes.extend(notes);
@@ -209,6 +223,12 @@ fn weigh(
     let chosen = &now.explanation;
     // Structure that is hardly worth a name; several causes or parameters far off that one law may say more simply.
     let structured = chosen.alarm.p_value < settings.significance && !chosen.spans(base, &settings.verdict.search);
+    if search.is_over() {
+        // What would take its place was not tried; the report says so.
+        search.study.counter().leave_out(chosen.members.len());
+        now.rivals = vec![Vec::new(); chosen.members.len()];
+        return Ok(now);
+    }
     if structured || chosen.members.len() > 1 || chosen.moved_parameters(settings.tolerance) > 0 {
         let terms = search.extend(dictionary(system, search.study.records(), &settings.library)?);
         let lists = (among.as_slice(), terms.as_slice());
@@ -309,6 +329,7 @@ fn add_caveats(
     // Inputs that never change continue equally with either hold; another fit would only find another minimum.
     if findings.ending != Ending::Quiet
         && driven(records)
+        && !search.is_over()
         && let Some(other) = other_hold(system, search, findings, settings)?
     {
         report.reason.caveats.push(Caveat::OtherHold(other));
@@ -358,7 +379,11 @@ impl<'a> Attempt<'a> {
         progress(Stage::Screen { candidates: library.len() });
         let mut search = Search::new(study, library, windows, limits);
         let base = search.nothing(fit);
-        let changes = jumps::promising(&mut search, &base, &named, settings)?;
+        let changes = if search.is_over() {
+            jumps::Changes::default()
+        } else {
+            jumps::promising(&mut search, &base, &named, settings)?
+        };
         search.scanned = changes.scanned;
         for change in changes.effects {
             let places = search.extend(change.to_vec());
@@ -369,7 +394,7 @@ impl<'a> Attempt<'a> {
         // Three causes at once are left to the windows that suit what remains.
         let brief = DiagnosisSettings { max_causes: settings.max_causes.min(2), ..settings.clone() };
         let settings = if patient { settings } else { &brief };
-        let selection = if patient || within_reach(&mut search, &base, &named)? {
+        let selection = if patient || search.is_over() || within_reach(&mut search, &base, &named)? {
             select(&mut search, &base, &named, settings, progress)?
         } else {
             Selection::nothing(&base)

@@ -35,6 +35,10 @@ pub(crate) fn rivals(
     let least_share = selection.least_share;
     let mut swaps = 0;
     'retry: loop {
+        if search.is_over() {
+            search.study.counter().leave_out(chosen.members.len());
+            return Ok(vec![Vec::new(); chosen.members.len()]);
+        }
         let linearized = search.linearized(chosen, among)?;
         let beside: HashMap<usize, f64> =
             search.singles(&linearized).iter().map(|p| (p.candidates[0], p.square)).collect();

@@ -101,6 +101,11 @@ impl<'a> Search<'a> {
         self.explain_all(near, &[Wanted { members: members.to_vec(), start }]).pop().flatten()
     }
 
+    /// Whether the time of the search is over: no more fits are made.
+    pub(crate) fn is_over(&self) -> bool {
+        self.study.counter().is_over()
+    }
+
     /// As [`Self::explain`] of several sets from one fit, side by side.
     pub(crate) fn explain_all(&mut self, near: &Fit, attempts: &[Wanted]) -> Vec<Option<Explanation>> {
         let mut new: Vec<(Vec<usize>, &Wanted)> = Vec::new();
@@ -109,6 +114,10 @@ impl<'a> Search<'a> {
             if !self.known.contains_key(&key) && new.iter().all(|(other, _)| *other != key) {
                 new.push((key, attempt));
             }
+        }
+        if self.is_over() {
+            self.study.counter().leave_out(new.len());
+            new.clear();
         }
         let this = &*self;
         let found: Vec<Option<Explanation>> =
@@ -166,7 +175,11 @@ impl<'a> Search<'a> {
     /// The exact fit of `members` started from `initial`, or what is known of them already if that is better.
     pub(crate) fn refit(&mut self, mut members: Vec<usize>, initial: &Fit) -> Option<Explanation> {
         let key = sorted(&members);
-        if !self.started.insert((key.clone(), bits(initial))) {
+        let is_new = self.started.insert((key.clone(), bits(initial)));
+        if is_new && self.is_over() {
+            self.study.counter().leave_out(1);
+        }
+        if !is_new || self.is_over() {
             return self.known.get(&key).cloned().flatten();
         }
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();

@@ -36,6 +36,10 @@ pub(crate) fn select(
     settings: &DiagnosisSettings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Selection, DiagnoseError> {
+    if search.is_over() {
+        search.study.counter().leave_out(among.len());
+        return Ok(Selection::nothing(base));
+    }
     let linearized = search.linearized(base, among)?;
     let mut promises = search.singles(&linearized);
     let tests = linearized.scores.groups.len().max(1) as f64 + search.scanned;
@@ -46,7 +50,7 @@ pub(crate) fn select(
         let room = settings.max_causes - selection.chosen.members.len();
         let still = selection.chosen.alarm.p_value < settings.significance
             || screened(&promises, &selection.scatter, tests) < settings.significance;
-        if !still || promises.is_empty() || selection.chosen.spans(base, &settings.verdict.search) {
+        if !still || promises.is_empty() || search.is_over() || selection.chosen.spans(base, &settings.verdict.search) {
             break;
         }
         progress(Stage::Fit { causes: selection.chosen.members.len() + 1 });

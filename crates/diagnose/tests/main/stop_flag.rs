@@ -1,8 +1,11 @@
-//! A diagnosis ends once the flag of its model's pool is raised, whatever it was doing.
+//! A diagnosis ends once the flag of its model's pool is raised, whatever it was doing, and with what it has at its time limit.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
-use bracketry_diagnose::{DiagnoseError, DiagnosisSettings, Record, RecordSettings, Stage, diagnose};
+use bracketry_diagnose::{
+    Cause, DiagnoseError, DiagnosisSettings, Note, Record, RecordSettings, Report, Stage, diagnose,
+};
 use bracketry_system::System;
 
 /// A mass that is pushed by a force, with a friction that its model lacks.
@@ -43,4 +46,34 @@ fn every_stage_at_which_the_flag_is_raised_is_the_last() {
         });
         assert!(matches!(stopped, Err(DiagnoseError::Stopped)), "raised at {:?}", stages[last]);
     }
+}
+
+/// The diagnosis with a limit that is over before its first stage ends, or never.
+fn limited(over: bool) -> Report {
+    let (system, record) = pushed();
+    let limit = if over { Duration::from_millis(1) } else { Duration::from_hours(1) };
+    let settings = DiagnosisSettings { time_limit: Some(limit), ..DiagnosisSettings::default() };
+    diagnose(&system, &[record], &[], &settings, &mut |_| {
+        if over {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    })
+    .unwrap()
+}
+
+fn left_out(report: &Report) -> Option<u64> {
+    report
+        .notes
+        .iter()
+        .find_map(|note| if let Note::TimeLimit { left_out, .. } = note { Some(*left_out) } else { None })
+}
+
+#[test]
+fn a_search_that_ends_at_its_time_limit_reports_what_it_has_and_what_was_left_out() {
+    let (whole, cut) = (limited(false), limited(true));
+    assert_eq!((left_out(&whole), whole.causes[0].name), (None, Cause::ViscousFriction));
+    assert!(left_out(&cut).is_some_and(|fits| fits > 0) && cut.causes.is_empty(), "{:?}: {:?}", cut.verdict, cut.notes);
+    assert!(cut.effort.fits < whole.effort.fits, "{:?}", cut.effort);
+    // Where the model falls short is shown all the same.
+    assert!(!cut.places.is_empty());
 }

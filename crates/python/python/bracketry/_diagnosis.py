@@ -179,6 +179,7 @@ def diagnose(
     seed: int | None = None,
     window: float | None = None,
     horizon: Sequence[float] = (),
+    time_limit: float = 600.0,
     threads: int | None = None,
 ) -> Diagnosis:
     """Finds what a model gets wrong in measured data.
@@ -210,6 +211,8 @@ def diagnose(
         Length of the windows in seconds; chosen from the data if left out.
     horizon
         Horizons in seconds at which predictions are compared; chosen from the data if left out.
+    time_limit
+        The search for causes ends after this many seconds in all; a note says what was left out.
     threads
         Threads to work with, all of the machine if left out. Results do not depend on them.
 
@@ -234,6 +237,7 @@ def diagnose(
         seed=None if seed is None else whole(seed, "seed"),
         window=window,
         horizon=[float(h) for h in horizon],
+        time_limit=float(time_limit),
         threads=0 if threads is None else whole(threads, "threads"),
     )
     found = parsed(answer["json"])

@@ -183,6 +183,11 @@ pub(super) fn note(note: &Note) -> String {
             significant(*seconds, 3),
             significant(*used, 3)
         ),
+        Note::TimeLimit { seconds, left_out } => format!(
+            "time limit of {} s reached: at least {left_out} fits were left out, and other causes, or rivals of these, may explain the data \
+             better (--time-limit)",
+            significant(*seconds, 3)
+        ),
         Note::TooShortForGain => "the data are too short to measure the gain on a separate part".to_owned(),
         Note::StillColumns(names) => format!(
             "{} {}",
