@@ -33,7 +33,10 @@ pub fn estimate_noise(times: &[f64], values: &[f64], settings: &NoiseSettings) -
     let floor =
         (size * settings.finest_resolution).max(resolution.unwrap_or(0.0) / 12f64.sqrt()).max(f64::MIN_POSITIVE);
     let floor = if floor.is_finite() { floor } else { 1.0 };
-    let column = Column::new(times, values, settings.fewest_differences);
+    // A sensor that is slower than the record has its own samples.
+    let (times, known): (Vec<f64>, Vec<f64>) =
+        times.iter().zip(values).filter(|(_, v)| v.is_finite()).map(|(t, v)| (*t, *v)).unzip();
+    let column = Column::new(&times, &known, settings.fewest_differences);
     let scales: Vec<f64> = DIFFERENCE_ORDERS.iter().map_while(|order| column.scale(*order, 1)).collect();
     let lowest = |k: usize| scales[k + 1..].iter().copied().fold(f64::INFINITY, f64::min);
     let Some(white) = (0..scales.len()).find(|k| scales[*k] <= settings.same_scale * lowest(*k)).map(|k| scales[k])
@@ -41,7 +44,7 @@ pub fn estimate_noise(times: &[f64], values: &[f64], settings: &NoiseSettings) -
         return Noise { std: floor, correlation: 0.0, resolution };
     };
     // Beyond the statistical error of the ratio of two scales.
-    let tolerance = 1.05 + 4.0 / (values.len() as f64).sqrt();
+    let tolerance = 1.05 + 4.0 / (known.len() as f64).sqrt();
     let (mut std, mut distance, mut correlation) = (white, 1, 0.0);
     let nearest = column.scale(HIGHEST_DIFFERENCE, 1).unwrap_or(white);
     let mut here = nearest;

@@ -144,3 +144,22 @@ fn columns_without_noise_or_motion_have_a_positive_finite_one() {
         assert!(found.std > 0.0 && found.std.is_finite(), "{found:?}");
     }
 }
+
+/// A sensor that is slower than the record has values in every tenth row or so only: its noise is that of its own samples.
+#[test]
+fn the_noise_of_a_slower_sensor_is_that_of_its_own_samples() {
+    for (every, std) in [(2, 1e-2), (5, 1e-3), (12, 3e-2)] {
+        let (mean, worst) = calibration(|rng| {
+            let times = even(500 * every, 0.05 / every as f64);
+            let noise = white(rng, times.len(), std);
+            let mut values = sum(&times, motion(rng, 1.0), &noise);
+            for (k, value) in values.iter_mut().enumerate() {
+                if k % every != 0 {
+                    *value = f64::NAN;
+                }
+            }
+            noise_of(&times, &values).std / std
+        });
+        assert!((mean - 1.0).abs() < 0.05 && worst < 0.25, "every {every}: {mean}, {worst}");
+    }
+}
