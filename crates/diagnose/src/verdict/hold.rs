@@ -23,8 +23,11 @@ pub(super) fn other_hold(
     findings: &Findings,
     settings: &DiagnosisSettings,
 ) -> Result<Option<OtherHold>, DiagnoseError> {
-    let beyond = |size: f64| (size * size - 1.0).max(0.0);
-    let excess = beyond(findings.base.alarm.size);
+    let base = &findings.base.alarm;
+    // Both residuals against one noise: the wrong hold leaves errors at high frequencies, which its own residual would take for noise.
+    let noise = base.floor / base.freedom;
+    let beyond = |alarm: &Alarm| (alarm.square / alarm.freedom / noise - 1.0).max(0.0);
+    let excess = beyond(base);
     if excess == 0.0 {
         return Ok(None);
     }
@@ -35,10 +38,10 @@ pub(super) fn other_hold(
     let start = findings.base.fit.without_windows();
     let fit = study.fit(&[], &thinned(study.windows().len(), settings.verdict.search.most_windows), Some(&start))?;
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len(), &settings.verdict.alarm);
-    let stays = beyond(alarm.size) / excess;
-    let noise = alarm.p_value >= settings.significance;
-    Ok((noise || stays <= settings.verdict.signals.other_hold_worth)
-        .then_some(OtherHold { hold, stays: (!noise).then_some(stays) }))
+    let stays = beyond(&alarm) / excess;
+    let is_noise = alarm.p_value >= settings.significance;
+    Ok((stays <= settings.verdict.signals.other_hold_worth)
+        .then_some(OtherHold { hold, stays: (!is_noise).then_some(stays) }))
 }
 
 /// All inputs, by index, but those whose derivatives the model uses, which are motions.

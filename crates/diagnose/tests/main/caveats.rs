@@ -332,3 +332,40 @@ fn a_clock_in_milliseconds_is_refused() {
     assert!(matches!(error, DiagnoseError::TimeScale { turns, .. } if turns > 5.0), "{error}");
     assert!(error.to_string().contains("milliseconds"), "{error}");
 }
+
+/// A motor whose current follows the held voltage within a few samples, with dry friction that the model lacks. Lines between the samples of
+/// the voltage leave errors at high frequencies, which are no noise: the hold is right.
+#[test]
+fn errors_that_the_wrong_hold_adds_are_not_taken_for_noise() {
+    let model = "states = ['i', 'w']\ninputs = ['u']\nparameters = { L = 0.02, R = 1, K = 0.1, J = 0.002, b = 0.001 }\n\
+                 [dynamics]\ni = '(u - R*i - K*w)/L'\nw = '(K*i - b*w)/J'\n[outputs]\ni = 'i'\nw = 'w'\n";
+    let system = System::parse("motor.toml", model).unwrap();
+    for seed in 1..4 {
+        let mut random = StdRng::seed_from_u64(seed);
+        let (mut z, mut u) = ([0.0, 0.0], 0.0);
+        let mut columns = BTreeMap::from(["u", "i", "w"].map(|name| (name.to_owned(), Vec::new())));
+        let mut times = Vec::new();
+        for k in 0..1500 {
+            if k % 25 == 0 {
+                u = random.random_range(-6.0..6.0);
+            }
+            times.push(f64::from(k) * STEP);
+            let noise = Normal::new(0.0, 0.005).unwrap();
+            for (name, value) in
+                [("u", u), ("i", z[0] + noise.sample(&mut random)), ("w", z[1] + noise.sample(&mut random))]
+            {
+                columns.get_mut(name).unwrap().push(value);
+            }
+            let rate = |z: &[f64; 2], _: f64| {
+                [(u - z[0] - 0.1 * z[1]) / 0.02, (0.1 * z[0] - 0.001 * z[1] - 0.03 * (1e3 * z[1]).tanh()) / 0.002]
+            };
+            for _ in 0..SUB {
+                z = crate::integrate::step(rate, &z, STEP / SUB as f64);
+            }
+        }
+        let record = Record::from_columns("run.csv", times, columns, &system, &RecordSettings::default()).unwrap();
+        let report = diagnose(&system, &[record], &[], &DiagnosisSettings::default(), &mut |_| {}).unwrap();
+        assert!(report.causes.iter().any(|c| c.name == Cause::CoulombFriction), "{seed}: {:?}", report.verdict);
+        assert_eq!(other_hold(&report), None, "{seed}");
+    }
+}
