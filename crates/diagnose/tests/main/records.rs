@@ -105,7 +105,7 @@ fn what_is_wrong_is_named_with_place_and_remedy() {
     refused("no_t.csv", "time,F,x\n0,1,2\n", SLIDER, &plain, &["`t`", "time", "--rename time=t"]);
     let measured = ["no measurement", "q", "x, v, power", "--rename q=x"];
     refused("unmeasured.csv", "t,F,q\n0,1,2\n1,1,2\n", SLIDER, &plain, &measured);
-    refused("no_input.csv", "t,x,u\n0,1,2\n1,1,2\n", SLIDER, &plain, &["uses F", "u", "--rename column=F"]);
+    refused("no_input.csv", "t,x,u\n0,1,2\n1,1,2\n", SLIDER, &plain, &["uses `F`", "u", "--rename column=F"]);
     refused("no_der.csv", "t,x\n0,1\n1,1\n", CART, &plain, &["der(X,2)"]);
     refused("order.csv", "t,F,x\n0,1,2\n1,1,2\n\n0.5,3,4\n", SLIDER, &plain, &["line 5", "column `t`", "sort"]);
     refused("text.csv", "t,F,x\n0,1,2\n1,1,two\n", SLIDER, &plain, &["line 3", "column `x`", "two", "nan"]);
