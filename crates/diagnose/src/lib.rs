@@ -56,7 +56,7 @@ pub use numbers::{measured, p_value, probability, significant};
 pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_noise, read_record};
 pub use record::Record;
 pub use report::{
-    Candidate, Caveat, Closeness, ColumnFault, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note,
+    Candidate, Caveat, Closeness, ColumnFault, Doubt, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note,
     OtherHold, OtherUnit, Outcome, Place, RefittedParameter, Regime, Repetition, Report, Rescaling,
     ResidualAcceleration, Rival, ScaledColumn, SmallGain, Value, Verdict, VerdictReason,
 };

@@ -87,18 +87,21 @@ pub enum OtherUnit {
     Minutes,
     /// 0.0254 m.
     Inches,
+    /// 1/3.6 m/s: kilometers per hour.
+    KilometersPerHour,
     /// 9.80665 m/s², or the weight of a kilogram in N.
     StandardGravity,
 }
 
 impl OtherUnit {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Degrees,
         Self::Revolutions,
         Self::RevolutionsPerMinute,
         Self::Minutes,
         Self::Inches,
+        Self::KilometersPerHour,
         Self::StandardGravity,
     ];
 
@@ -110,6 +113,7 @@ impl OtherUnit {
             Self::RevolutionsPerMinute => PI / 30.0,
             Self::Minutes => 60.0,
             Self::Inches => 0.0254,
+            Self::KilometersPerHour => 1.0 / 3.6,
             Self::StandardGravity => 9.80665,
         }
     }

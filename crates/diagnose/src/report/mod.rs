@@ -14,5 +14,5 @@ pub use diagnosis::{
     Verdict,
 };
 pub use note::{Closeness, Flag, Note, Repetition};
-pub use reason::{Caveat, Mispredicted, NoMotion, OtherHold, Outcome, SmallGain, VerdictReason};
+pub use reason::{Caveat, Doubt, Mispredicted, NoMotion, OtherHold, Outcome, SmallGain, VerdictReason};
 pub use regime::Regime;

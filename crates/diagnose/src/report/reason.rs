@@ -93,6 +93,31 @@ pub enum Caveat {
     Mispredicted(Mispredicted),
     /// Held-out data are predicted only a little better.
     SmallGain(SmallGain),
+    /// Structure remains, and there is a reason to doubt the causes: they have no name.
+    Doubtful(Doubt),
+}
+
+/// What makes causes doubtful where structure remains.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Doubt {
+    /// They explain too small a share of the excess.
+    Share(f64),
+    /// Their residual is no smaller, compared with its noise, than that without them.
+    Noise {
+        /// Residual over noise without them.
+        before: f64,
+        /// With them.
+        after: f64,
+    },
+    /// The force error is larger with them.
+    ForceError {
+        /// Without them.
+        before: f64,
+        /// With them.
+        after: f64,
+    },
+    /// A value of a cause stopped at a limit.
+    AtLimit(String),
 }
 
 /// Errors of predictions at the longest horizon, relative to the standard deviation of what is predicted.

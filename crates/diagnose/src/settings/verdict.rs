@@ -185,6 +185,11 @@ settings! {
         least_gain: f64 = 0.01,
         /// Where structure remains, causes have a name if they take at least this share of that error away.
         clear_gain: f64 = 0.3,
+        /// Where structure remains, causes have a name if they explain at least this share of the excess: what explains less is as well the
+        /// image of what the library lacks.
+        clear_share: f64 = 0.85,
+        /// The same if they make the force error at most this many times larger.
+        most_force_error: f64 = 1.25,
         /// Most candidates in the report.
         listed_candidates: usize = 15,
         /// Fewest windows that are resampled.
@@ -220,6 +225,8 @@ settings! {
         /// Where refitted parameters explain the data of the columns as they are, one of them has changed by more than this factor if a
         /// unit is wrong instead.
         change: f64 = 5.0,
+        /// Or several have changed by more than this factor.
+        together: f64 = 2.5,
         /// There, no parameter changes by more than this factor with the right unit.
         exact: f64 = 1.1,
     }

@@ -65,9 +65,10 @@ pub(super) fn wrong_columns(
         .as_ref()
         .map(|fit| Alarm::of(&fit.windows, system.states.len(), fit.values.len(), &settings.verdict.alarm));
     if let (Some(fit), Some(alarm)) = (&as_read, &base) {
-        // Refitted parameters explain the data of the columns as they are, without having moved as far as a unit.
+        // Refitted parameters explain the data of the columns as they are, without having moved as far as a unit, or several of them together.
         let explains = alarm.p_value >= settings.significance || alarm.size <= limits.noise;
-        if explains && (!is_far(fit, limits.change) || best > limits.exact) {
+        let like_a_unit = is_far(fit, limits.change) || several_moved(fit, limits.together);
+        if explains && (!like_a_unit || best > limits.exact) {
             return Ok(None);
         }
     }
@@ -266,6 +267,12 @@ fn change(e: &Estimate) -> f64 {
 fn moved(fit: &Fit) -> f64 {
     let known = fit.values.iter().enumerate().filter(|(j, _)| !fit.unidentified.contains(j));
     known.map(|(_, e)| change(e)).fold(1.0, f64::max)
+}
+
+/// Whether two parameters or more that the data determine have moved by more than a factor.
+fn several_moved(fit: &Fit, by: f64) -> bool {
+    let known = fit.values.iter().enumerate().filter(|(j, _)| !fit.unidentified.contains(j));
+    known.filter(|(_, e)| change(e) > by).count() > 1
 }
 
 fn is_far(fit: &Fit, most: f64) -> bool {

@@ -3,7 +3,7 @@
 use super::explanation::Explanation;
 use super::noise::Scatter;
 use super::search::Search;
-use crate::report::{Caveat, Note, Outcome, Report, SmallGain, Verdict};
+use crate::report::{Caveat, Doubt, Excess, Note, Outcome, Report, SmallGain, Verdict};
 use crate::settings::{DiagnosisSettings, NamingSettings};
 use crate::{Cause, Effect, Role};
 
@@ -79,15 +79,44 @@ impl Report {
             self.withdraw();
             self.verdict = Verdict::NoGain;
         } else if matches!(self.reason.outcome, Outcome::PartlyExplained { .. })
-            && after > (1.0 - limits.clear_gain) * before
+            && let Some(caveat) = if after > (1.0 - limits.clear_gain) * before {
+                Some(Caveat::SmallGain(small))
+            } else {
+                self.doubt(limits).map(Caveat::Doubtful)
+            }
         {
             for cause in self.causes.iter_mut().filter(|c| c.name != Cause::UnknownTerm) {
                 cause.confusable_with.insert(0, cause.name);
                 cause.name = Cause::UnknownTerm;
             }
-            self.reason.caveats.push(Caveat::SmallGain(small));
+            self.reason.caveats.push(caveat);
             self.verdict = Verdict::PartlyExplained;
         }
+    }
+
+    /// A reason to doubt causes that leave structure.
+    fn doubt(&self, limits: &NamingSettings) -> Option<Doubt> {
+        if let Outcome::PartlyExplained { share, .. } = self.reason.outcome
+            && share < limits.clear_share
+        {
+            return Some(Doubt::Share(share));
+        }
+        if let Some(Excess { refitted: before, extended: Some(after), .. }) = self.excess
+            && after >= before
+        {
+            return Some(Doubt::Noise { before, after });
+        }
+        let gain = self.gain.as_ref()?;
+        if let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after)
+            && after > limits.most_force_error * before
+        {
+            return Some(Doubt::ForceError { before, after });
+        }
+        let of_a_cause = |name: &str| self.causes.iter().any(|c| c.parameters.0.iter().any(|(n, _)| n == name));
+        self.notes.iter().find_map(|note| match note {
+            Note::AtLimit { name, without_causes: false, .. } if of_a_cause(name) => Some(Doubt::AtLimit(name.clone())),
+            _ => None,
+        })
     }
 
     /// Takes the causes back, and what was made with them.

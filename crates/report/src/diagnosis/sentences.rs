@@ -1,7 +1,7 @@
 //! The reasons, notes and cautions of a diagnosis in words.
 
 use bracketry_diagnose::{
-    Caveat, Closeness, ColumnFault, Flag, Mispredicted, NoMotion, Note, OtherHold, OtherUnit, Outcome, Regime,
+    Caveat, Closeness, ColumnFault, Doubt, Flag, Mispredicted, NoMotion, Note, OtherHold, OtherUnit, Outcome, Regime,
     Repetition, Rescaling, ScaledColumn, SmallGain, VerdictReason, significant,
 };
 use bracketry_sim::Hold;
@@ -20,8 +20,25 @@ pub(super) fn reason(reason: &VerdictReason) -> String {
             small_gain(gain),
             significant(0.25 * gain.horizon, 2)
         ),
+        Caveat::Doubtful(doubt) => format!("; but {}: the terms keep no name", doubtful(doubt)),
     });
     std::iter::once(outcome(&reason.outcome)).chain(caveats).collect()
+}
+
+fn doubtful(doubt: &Doubt) -> String {
+    match doubt {
+        Doubt::Share(share) => format!(
+            "terms that leave {:.0} % unexplained may stand for something that is not in the library",
+            100.0 * (1.0 - share)
+        ),
+        Doubt::Noise { before, after } => {
+            format!("the residual is {after:.2} times its noise with them and {before:.2} times without them")
+        }
+        Doubt::ForceError { before, after } => {
+            format!("they raise the force error from {:.3} % to {:.3} %", 100.0 * before, 100.0 * after)
+        }
+        Doubt::AtLimit(name) => format!("{name} stopped at a limit"),
+    }
 }
 
 fn outcome(outcome: &Outcome) -> String {
@@ -242,6 +259,7 @@ fn unit_words(unit: OtherUnit) -> &'static str {
         OtherUnit::RevolutionsPerMinute => "revolutions per minute",
         OtherUnit::Minutes => "minutes",
         OtherUnit::Inches => "inches",
+        OtherUnit::KilometersPerHour => "kilometers per hour",
         OtherUnit::StandardGravity => "multiples of the standard gravity",
     }
 }
