@@ -100,7 +100,7 @@ FAULTS: dict[str, set[str]] = {
     "jump": {"parameter_jump"},
     "drift": {"sensor_drift"},
     "filter": {"sensor_lag"},
-    "hidden_mode": set(),
+    "hidden_mode": {"elastic_joint", "hidden_vibration"},
     # The parameter has another value for most of the time.
     "slow_change": {"parameter_error"},
 }

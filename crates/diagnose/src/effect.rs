@@ -43,6 +43,8 @@ pub enum Cause {
     Backlash,
     ParameterError,
     ParameterJump,
+    ElasticJoint,
+    HiddenVibration,
     WrongSign,
     WrongUnit,
     SwappedColumns,
@@ -166,6 +168,13 @@ pub enum Change {
     },
     /// Several changes of the equations with the same coefficients.
     Several(Vec<Change>),
+    /// States that no column shows, with a change of the equations that may use them.
+    Hidden {
+        /// The states.
+        states: Vec<HiddenState>,
+        /// What they do to the equations of the model.
+        change: Box<Change>,
+    },
     /// What is measured of a body in the plane is the motion of a point p off its center of mass c, which the equations are
     /// about: `p = c + R(angle) d`, `p' = c' + spin z × R(angle) d`; the two coefficients are d, in axes of the body.
     TrackedPoint {
@@ -185,6 +194,19 @@ pub enum Change {
         /// Names of inputs or of measured columns.
         signals: Vec<String>,
     },
+}
+
+/// A state of an effect, with a start of its own in every window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HiddenState {
+    /// Its name, one that the model does not have yet.
+    pub name: String,
+    /// Its time derivative.
+    pub rate: String,
+    /// The state of the model near which it starts; `None` for zero.
+    pub like: Option<String>,
+    /// Its typical size; where it starts near a state, that one's counts.
+    pub scale: f64,
 }
 
 /// A change of the model that may explain what it gets wrong.
@@ -207,6 +229,11 @@ impl Effect {
     pub(crate) fn is_late(&self) -> bool {
         let Change::Path { path, .. } = &self.change else { return false };
         !matches!(path, Path::SensorBias | Path::SensorDrift)
+    }
+
+    /// The states that it adds.
+    pub(crate) fn hidden(&self) -> &[HiddenState] {
+        if let Change::Hidden { states, .. } = &self.change { states } else { &[] }
     }
 
     /// Whether it is a filter of measured columns.

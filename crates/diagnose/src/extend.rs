@@ -74,7 +74,11 @@ impl ExtendedModel {
                 Change::TrackedPoint { position, angle, .. } => {
                     extended.add_tracked_point(effect, position, angle, &fit.values)?;
                 }
-                Change::Terms(_) | Change::Substitution { .. } | Change::Stretch { .. } | Change::Several(_) => {}
+                Change::Terms(_)
+                | Change::Substitution { .. }
+                | Change::Stretch { .. }
+                | Change::Several(_)
+                | Change::Hidden { .. } => {}
             }
         }
         extended.time_as_state();

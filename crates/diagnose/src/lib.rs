@@ -43,7 +43,7 @@ mod study;
 mod verdict;
 
 pub use bracketry_sim::{Bandwidth, SmoothingSpline, smooth};
-pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
+pub use effect::{Cause, Change, Coefficient, Effect, HiddenState, Path, Role};
 pub use effort::Effort;
 pub use error::DiagnoseError;
 pub use extend::{ExtendedModel, OutsideDelay};

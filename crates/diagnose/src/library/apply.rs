@@ -17,7 +17,7 @@ use crate::error::DiagnoseError;
 /// As [`Effect::apply`].
 pub(crate) fn apply_all(effects: &[Effect], system: &mut System) -> Result<(), DiagnoseError> {
     let turn = |effect: &Effect| match effect.change {
-        Change::Terms(_) => 0,
+        Change::Terms(_) | Change::Hidden { .. } => 0,
         Change::Substitution { .. } => 1,
         Change::Stretch { .. } | Change::Several(_) => 2,
         Change::TrackedPoint { .. } | Change::Path { .. } => 3,
@@ -131,6 +131,25 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
             for change in changes {
                 change_equations(change, system, names)?;
             }
+        }
+        Change::Hidden { states, change } => {
+            let zero = system.pool.int(0);
+            for state in states {
+                if symbols(system).any(|s| system.pool.name(s) == state.name) {
+                    return Err(DiagnoseError::NameTaken { name: state.name.clone() });
+                }
+                let symbol = system.pool.symbol(&state.name);
+                names.add(&state.name, system.pool.sym(symbol));
+                system.states.push(symbol);
+                if let Some(point) = &mut system.point {
+                    point.states.push(zero);
+                }
+            }
+            for state in states {
+                let rate = names.read(&mut system.pool, &state.rate)?;
+                system.dynamics.push(rate);
+            }
+            change_equations(change, system, names)?;
         }
         Change::Path { .. } | Change::TrackedPoint { .. } => {}
     }

@@ -83,6 +83,11 @@ impl ModelNames {
         self
     }
 
+    /// Lets expressions use another name.
+    pub(crate) fn add(&mut self, name: &str, e: Expr) {
+        self.plain.insert(name.to_owned(), e);
+    }
+
     /// Reads an expression.
     pub(crate) fn read(&mut self, pool: &mut Pool, text: &str) -> Result<Expr, DiagnoseError> {
         pool.parse_with(text, self).map_err(|e| DiagnoseError::Term { text: text.to_owned(), message: e.to_string() })

@@ -67,6 +67,8 @@ fn family(cause: Cause) -> Family {
         | Cause::ComOffset => Family::Contact,
         Cause::PeriodicDisturbance
         | Cause::ParameterJump
+        | Cause::ElasticJoint
+        | Cause::HiddenVibration
         | Cause::LiftOff
         | Cause::Backlash
         | Cause::DeadZone
@@ -322,6 +324,9 @@ fn isolating(e: &Effect, system: &System) -> String {
         }
         Cause::Leak | Cause::QuadraticLoss => format!("let {v} fall without input, from a high and from a low value"),
         Cause::SensorBias => format!("read {v} at rest against a second instrument"),
+        Cause::ElasticJoint | Cause::HiddenVibration => {
+            format!("knock on what moves with {v} while the input rests, and record how it rings")
+        }
         Cause::ParameterJump => "repeat the same run, long before and long after the time of the change".to_owned(),
         Cause::SensorDrift => format!("read {v} at rest over a long time"),
         Cause::DeadZone => format!("apply small values of {v}, growing slowly from 0"),

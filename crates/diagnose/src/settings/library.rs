@@ -13,6 +13,10 @@ settings! {
         longest_delay: f64 = 0.1,
         /// Number of delays and lags that are tried.
         time_trials: usize = 6,
+        /// Fits of hidden masses start from frequencies up to this many cycles per interval between samples.
+        highest_frequency: f64 = 0.08,
+        /// Number of these frequencies.
+        frequency_trials: usize = 4,
         /// Typical offset of a tracked point, m.
         small_offset: f64 = 0.01,
         /// Stribeck velocities are tried between these shares of the largest velocity in the data.

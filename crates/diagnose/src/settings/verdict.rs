@@ -73,8 +73,6 @@ settings! {
     JumpSettings {
         /// Fewest windows among whose starts an instant is looked for.
         fewest_windows: usize = 4,
-        /// None is looked for where another candidate promises this share of the excess.
-        told: f64 = 0.9,
         /// A change is tried if it promises this share of the excess: smaller ones may be the image of something else.
         least_share: f64 = 0.3,
         /// Most changes that are tried.
@@ -95,6 +93,8 @@ settings! {
         share_of_time: f64 = 0.7,
         /// What stays unexplained is looked at in these windows, too, where they are shorter than this many of those before.
         shorter_than: f64 = 0.75,
+        /// Changes during a run and hidden masses are looked for where no other candidate promises this share of the excess.
+        told: f64 = 0.9,
         /// Long windows are worth a search if a pair of candidates promises a residual of at most this many times the noise.
         within_reach: f64 = 3.0,
         /// Delays, lags, and filters that are fitted exactly where no pair promises that …

@@ -2,7 +2,7 @@
 
 use super::tracked::TrackedPoint;
 use super::unknown::Unknown;
-use crate::effect::{Change, Effect, Path};
+use crate::effect::{Change, Effect, HiddenState, Path};
 use crate::effort::Counter;
 use crate::error::DiagnoseError;
 use crate::library::{TIME_INPUT, apply_all, input_index, unknown};
@@ -36,6 +36,8 @@ pub(super) struct Compiled {
     pub(super) targets: Vec<Target>,
     /// Inputs and derivatives of inputs that samples drive: name, order, index of the input, place in the record.
     pub(super) driven: Vec<Driven>,
+    /// States that effects add to those of the model.
+    pub(super) hidden: Vec<HiddenState>,
     /// Whether the models have derivatives by states and by the unknowns of the equations.
     pub(super) differentiable: bool,
     /// That of the model's pool.
@@ -146,7 +148,8 @@ impl Compiled {
         }
         let counter = sources.counter.clone();
         let (differentiable, settings) = (by.is_none(), settings.clone());
-        Ok(Self { models, unknowns, targets, driven, differentiable, stop, counter, settings })
+        let hidden = effects.iter().flat_map(|e| e.hidden().iter().cloned()).collect();
+        Ok(Self { models, unknowns, targets, driven, hidden, differentiable, stop, counter, settings })
     }
 }
 

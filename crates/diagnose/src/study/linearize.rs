@@ -233,7 +233,7 @@ impl Study {
         }
         let noise = &self.noise[slot.runner.window.record];
         let records = &self.sources.records;
-        let mut runner = Runner::new(records, compiled, slot.runner.window, noise, slot.scales.len())?;
+        let mut runner = Runner::new(records, compiled, slot.runner.window, noise)?;
         let mut columns = Vec::with_capacity(secants.len());
         for of_trial in secants.chunk_by(|a, b| a.from == b.from) {
             let mapped = *propagated && of_trial.len() == *amplitudes && slot.runner.trajectory.is_mapped();

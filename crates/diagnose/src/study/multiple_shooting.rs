@@ -8,7 +8,7 @@ use super::runner::{Failure, Runner};
 use super::slot::{Slot, WindowFit};
 use super::unknown::is_natural_constant;
 use super::window::{Window, WindowLength, Windows, cut, longest_window, stretches};
-use crate::effect::Effect;
+use crate::effect::{Effect, HiddenState};
 use crate::effort::Counter;
 use crate::error::DiagnoseError;
 use crate::record::Record;
@@ -238,7 +238,6 @@ impl Study {
         windows: &[usize],
         start: Option<&Fit>,
     ) -> Result<Vec<Slot<'a>>, DiagnoseError> {
-        let n = self.system.states.len();
         windows
             .iter()
             .map(|&index| {
@@ -248,22 +247,40 @@ impl Study {
                     .ok_or(DiagnoseError::NoSuchWindow { index, windows: self.windows.len() })?;
                 let record = &self.sources.records[window.record];
                 let guess = &self.guesses[window.record];
-                let runner = Runner::new(&self.sources.records, compiled, window, &self.noise[window.record], n)?;
-                let known = start
-                    .and_then(|s| s.windows.iter().find(|w| w.window == index && w.failure.is_none()))
-                    .map(|w| w.x0.clone());
-                let guessed = guess.at(record, window);
-                Ok(Slot {
-                    index,
-                    runner,
-                    known: known.is_some(),
-                    start: known.unwrap_or_else(|| guessed.clone()),
-                    guess: guessed,
-                    scales: guess.scales.clone(),
-                    state: Err(Failure::not_simulated()),
-                })
+                let runner = Runner::new(&self.sources.records, compiled, window, &self.noise[window.record])?;
+                let (guessed, scales) = self.guessed(guess, compiled, guess.at(record, window));
+                let fitted = start.and_then(|s| {
+                    let window = s.windows.iter().find(|w| w.window == index && w.failure.is_none())?;
+                    Some(self.carried(s, &window.x0, compiled, &guessed))
+                });
+                let (known, start) = fitted.unwrap_or((false, guessed.clone()));
+                let state = Err(Failure::not_simulated());
+                Ok(Slot { index, runner, known, start, guess: guessed, scales, state })
             })
             .collect()
+    }
+
+    /// First guesses and typical sizes of the initial state, with those of the states that effects add.
+    pub(super) fn guessed(&self, guess: &Guess, compiled: &Compiled, own: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+        let (mut values, mut scales) = (own, guess.scales.clone());
+        for state in &compiled.hidden {
+            let like = state.like.as_ref().and_then(|name| self.system.state_index(name));
+            values.push(like.map_or(0.0, |i| values[i]));
+            scales.push(like.map_or(state.scale, |i| scales[i]));
+        }
+        (values, scales)
+    }
+
+    /// The initial state of a fit, for a model that may have other states of effects, and whether the fit has all of them; `guessed` has
+    /// those that it lacks.
+    fn carried(&self, fit: &Fit, x0: &[f64], compiled: &Compiled, guessed: &[f64]) -> (bool, Vec<f64>) {
+        let own = self.system.states.len();
+        let names: Vec<&String> = fit.effects.iter().flat_map(Effect::hidden).map(|s| &s.name).collect();
+        let of = |state: &HiddenState| names.iter().position(|name| **name == state.name).and_then(|i| x0.get(own + i));
+        let hidden: Vec<Option<&f64>> = compiled.hidden.iter().map(of).collect();
+        let known = hidden.iter().all(Option::is_some);
+        let values = hidden.into_iter().zip(&guessed[own..]).map(|(known, guess)| *known.unwrap_or(guess));
+        (known, x0.iter().take(own).copied().chain(values).collect())
     }
 
     pub(super) fn too_short(&self) -> DiagnoseError {

@@ -59,16 +59,9 @@ impl Predictor<'_> {
         let runner = self.runner(stretch)?;
         let record = &self.study.sources.records[stretch.record];
         let guess = &self.study.guesses[stretch.record];
-        let start = guess.at(record, stretch);
-        let mut slot = Slot {
-            index: 0,
-            runner,
-            known: false,
-            start: start.clone(),
-            guess: start,
-            scales: guess.scales.clone(),
-            state: Err(Failure::not_simulated()),
-        };
+        let (start, scales) = self.study.guessed(guess, &self.compiled, guess.at(record, stretch));
+        let state = Err(Failure::not_simulated());
+        let mut slot = Slot { index: 0, runner, known: false, start: start.clone(), guess: start, scales, state };
         slot.settle(&self.compiled, &self.theta, self.compiled.settings.solver.settled_share);
         if slot.runner.fitted_starts() == 0 {
             return Ok(slot.state.map(|point| point.x0).map_err(|failure| failure.to_string()));
@@ -87,7 +80,7 @@ impl Predictor<'_> {
         let mut runner = self.runner(stretch)?;
         runner.weights.fill(1.0);
         runner.present.fill(true);
-        let (x0, starts) = x0.split_at(self.study.system.states.len().min(x0.len()));
+        let (x0, starts) = x0.split_at((self.study.system.states.len() + self.compiled.hidden.len()).min(x0.len()));
         runner.filter_starts = Some(starts.to_vec()).filter(|s| s.len() == runner.weights.len());
         let mut out = vec![f64::NAN; runner.target.len()];
         // Where it stops, the rest stays NaN.
@@ -107,6 +100,6 @@ impl Predictor<'_> {
             });
         }
         let noise = &self.study.noise[stretch.record];
-        Runner::new(&self.study.sources.records, &self.compiled, stretch, noise, self.study.system.states.len())
+        Runner::new(&self.study.sources.records, &self.compiled, stretch, noise)
     }
 }

@@ -10,7 +10,7 @@ use crate::effect::Path;
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::signal::Quantity;
-use bracketry_sim::{Model, Outcome, SimulationSettings, Stepper};
+use bracketry_sim::{Model, Outcome, SimulationSettings, Stepper, Switched};
 
 /// Why a window cannot be simulated.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +87,6 @@ impl<'a> Runner<'a> {
         compiled: &'a Compiled,
         window: Window,
         noise: &[f64],
-        n: usize,
     ) -> Result<Self, DiagnoseError> {
         let record = &records[window.record];
         let usable = stretches(record)
@@ -109,7 +108,8 @@ impl<'a> Runner<'a> {
         let mut settings = SimulationSettings::default().with_tolerance(solver.tolerance.0, solver.tolerance.1);
         settings.max_steps = solver.most_steps;
         settings.stop = compiled.stop.clone();
-        let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;
+        let start = vec![0.0; model.dim()];
+        let stepper = Stepper::new(model, t0, &start, &settings)?;
         let schedule = Vec::with_capacity(target.len());
         Ok(Self {
             records,

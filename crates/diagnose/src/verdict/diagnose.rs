@@ -9,6 +9,7 @@ use super::curves::{curved, curved_where_better};
 use super::explanation::Explanation;
 use super::findings::{Ending, Findings, Rivals};
 use super::held_out::{UnseenWindows, thinned};
+use super::hidden::fit_hidden_masses;
 use super::hold::{half_a_sample, other_hold};
 use super::motion::{driven, still, uninformative};
 use super::noise::Scatter;
@@ -219,7 +220,9 @@ fn weigh(
     settings: &DiagnosisSettings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Chosen, DiagnoseError> {
-    let mut among: Vec<usize> = (0..search.candidates.len()).collect();
+    // Hidden masses are fitted, not screened.
+    let mut among: Vec<usize> =
+        (0..search.candidates.len()).filter(|&c| search.candidates[c].hidden().is_empty()).collect();
     let chosen = &now.explanation;
     // Structure that is hardly worth a name; several causes or parameters far off that one law may say more simply.
     let structured = chosen.alarm.p_value < settings.significance && !chosen.spans(base, &settings.verdict.search);
@@ -379,16 +382,11 @@ impl<'a> Attempt<'a> {
         progress(Stage::Screen { candidates: library.len() });
         let mut search = Search::new(study, library, windows, limits);
         let base = search.nothing(fit);
-        let changes = if search.is_over() {
-            jumps::Changes::default()
-        } else {
-            jumps::promising(&mut search, &base, &named, settings)?
-        };
-        search.scanned = changes.scanned;
-        for change in changes.effects {
-            let places = search.extend(change.to_vec());
-            search.changes.extend(<[usize; 2]>::try_from(places.as_slice()));
-            named.extend(places);
+        if base.alarm.p_value < settings.significance && !search.is_over() && !is_told(&mut search, &base, &named)? {
+            named.extend(changes(&mut search, &base, settings)?);
+            if near.is_none() {
+                fit_hidden_masses(&mut search, &base, settings);
+            }
         }
         let patient = near.is_some() || settings.study.window.is_some();
         // Three causes at once are left to the windows that suit what remains.
@@ -401,6 +399,30 @@ impl<'a> Attempt<'a> {
         };
         Ok(Self { search, base, selection })
     }
+}
+
+/// Whether some candidate promises to explain nearly all.
+fn is_told(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
+    let linearized = search.linearized(base, named)?;
+    let promised = search.singles(&linearized).first().map_or(0.0, |promise| promise.square);
+    Ok(promised >= search.settings.search.told * base.alarm.excess())
+}
+
+/// Adds changes during the run to the candidates; returns their places.
+fn changes(
+    search: &mut Search<'_>,
+    base: &Explanation,
+    settings: &DiagnosisSettings,
+) -> Result<Vec<usize>, DiagnoseError> {
+    let changes = jumps::promising(search, base, settings)?;
+    search.scanned += changes.scanned;
+    let mut added = Vec::new();
+    for change in changes.effects {
+        let places = search.extend(change.to_vec());
+        search.changes.extend(<[usize; 2]>::try_from(places.as_slice()));
+        added.extend(places);
+    }
+    Ok(added)
 }
 
 /// The fit, or a better one that begins with the parameters that short windows give: over long ones, parameters that are far
@@ -432,7 +454,8 @@ fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) ->
     let promised = search.pairs(&linearized, 1).first().map_or(0.0, |p| p.square);
     let reach = search.settings.search.within_reach;
     let near = |square: f64| square < reach * reach * base.alarm.floor;
-    if near(base.square() - promised) {
+    let fitted = search.fitted().any(|e| near(e.square()));
+    if fitted || near(base.square() - promised) {
         return Ok(true);
     }
     // Secants of delays, filters, and jumps hold less far than others.

@@ -20,26 +20,16 @@ pub(super) struct Changes {
     pub(super) scanned: f64,
 }
 
-/// Changes that promise much where the residual of the refitted model has structure that no other candidate, of those `named`, promises to
-/// explain.
+/// Changes that promise much beside a fit without effects.
 ///
 /// The scan takes no simulation beside one linearization: what a change does at the start of a window is the response to the change from
 /// the first sample on, in that window and in all later ones (Andrews 1993).
 pub(super) fn promising(
-    search: &mut Search<'_>,
+    search: &Search<'_>,
     base: &Explanation,
-    named: &[usize],
     settings: &DiagnosisSettings,
 ) -> Result<Changes, DiagnoseError> {
     let limits = &settings.verdict.jumps;
-    if base.alarm.p_value >= settings.significance {
-        return Ok(Changes::default());
-    }
-    let linearized = search.linearized(base, named)?;
-    let told = search.singles(&linearized).first().map_or(0.0, |promise| promise.square);
-    if told >= limits.told * base.alarm.excess() {
-        return Ok(Changes::default());
-    }
     let (study, windows) = (search.study, &search.windows);
     let starts = starts(study, windows);
     let all = jumps(study.system(), study.parameters(), study.records(), &settings.library)?;

@@ -7,6 +7,7 @@ mod diagnose;
 mod explanation;
 mod findings;
 mod held_out;
+mod hidden;
 mod hold;
 mod jumps;
 mod motion;

@@ -35,6 +35,8 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
         Cause::SensorDrift
         | Cause::PeriodicDisturbance
         | Cause::ParameterJump
+        | Cause::ElasticJoint
+        | Cause::HiddenVibration
         | Cause::Backlash
         | Cause::LiftOff
         | Cause::WrongSign

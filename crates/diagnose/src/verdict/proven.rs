@@ -18,7 +18,7 @@ pub(super) fn worth(
 ) -> Option<(f64, f64, Explanation)> {
     let rest = search.without(chosen, member)?;
     let gained = rest.square() - chosen.square();
-    let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
+    let p_value = scatter.p_value(gained, search.numbers(member)) * tests;
     Some((gained, p_value.min(1.0), rest))
 }
 

@@ -31,7 +31,7 @@ pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Diagn
                 term: effect.term.clone(),
                 share,
                 interval: share.and_then(|share| interval(base, e, share, settings)),
-                p_value: (findings.scatter.p_value(gained, e.coefficients) * findings.tests).min(1.0),
+                p_value: (findings.scatter.p_value(gained, e.numbers()) * findings.tests).min(1.0),
                 chosen: findings.chosen.members.contains(&member),
             }
         })

@@ -69,7 +69,7 @@ pub(crate) fn rivals(
                 // More coefficients must be worth it; what is not is told by the simpler one as well.
                 let told = told_as_well(&rival, chosen, least_share) && rival.square() - chosen.square() < little
                     || structured && rival.square() - chosen.square() < inexact;
-                match rival.coefficients.cmp(&chosen.coefficients) {
+                match rival.numbers().cmp(&chosen.numbers()) {
                     Ordering::Less => wins |= rival.physical && told,
                     Ordering::Equal => {}
                     Ordering::Greater => {

@@ -230,7 +230,17 @@ impl<'a> Search<'a> {
     }
 
     fn admissible(&self, explanation: &Explanation) -> bool {
-        self.comparable(explanation) && self.biases_within_range(explanation)
+        self.comparable(explanation) && self.biases_within_range(explanation) && self.hidden_within_limits(explanation)
+    }
+
+    /// Whether no hidden mass stops at a limit of its inertia or its frequency: a mass that is too large to move, or whose oscillation is
+    /// longer than a window, is a spring to the ground.
+    fn hidden_within_limits(&self, explanation: &Explanation) -> bool {
+        let hidden = explanation.members.iter().map(|&m| &self.candidates[m]).filter(|e| !e.hidden().is_empty());
+        hidden.flat_map(|e| &e.coefficients).filter(|c| !c.trials.is_empty()).all(|c| {
+            let value = explanation.fit.estimate(&c.name).map_or(c.nominal, |e| e.value);
+            c.min < value && value < c.max
+        })
     }
 
     /// Whether the fit covers the windows that the model without effects covers.
@@ -259,7 +269,8 @@ impl<'a> Search<'a> {
 
     /// Judges a fit by its residuals, which are not kept: nothing reads them again.
     fn judge(&self, members: Vec<usize>, mut fit: Fit) -> Explanation {
-        let alarm = Alarm::of(&fit.windows, self.initial, fit.values.len(), &self.settings.alarm);
+        let hidden: usize = fit.effects.iter().map(|e| e.hidden().len()).sum();
+        let alarm = Alarm::of(&fit.windows, self.initial + hidden, fit.values.len(), &self.settings.alarm);
         fit.windows.iter_mut().for_each(|window| window.residuals = Vec::new());
         let coefficients = members.iter().map(|&m| self.candidates[m].coefficients.len()).sum();
         let physical = members.iter().all(|&m| {
@@ -352,6 +363,12 @@ impl<'a> Search<'a> {
             .collect();
         promises.sort_by(|a, b| b.square.total_cmp(&a.square));
         promises
+    }
+
+    /// Numbers that are fitted for a candidate, see [`Explanation::numbers`].
+    pub(super) fn numbers(&self, candidate: usize) -> usize {
+        let effect = &self.candidates[candidate];
+        effect.coefficients.len() + effect.hidden().len() * self.windows.len()
     }
 
     /// Whether both are filters of the same columns, or changes of the same parameter: one stands for the other.

@@ -57,7 +57,7 @@ pub(crate) fn select(
         let tried = attempts(search, &selection, &promises, among, room, settings)?;
         let Some((next, scatter)) = best(search, &tried, among)? else { break };
         let gained = selection.chosen.square() - next.square();
-        let added = next.coefficients.saturating_sub(selection.chosen.coefficients);
+        let added = next.numbers().saturating_sub(selection.chosen.numbers());
         let size = next.members.len().saturating_sub(selection.chosen.members.len());
         let p_value = scatter.p_value(gained, added) * tests.powi(size as i32);
         if p_value > settings.significance
@@ -112,7 +112,7 @@ fn attempts(
         let mut pairs = search.pairs(&linearized, limits.most_pair_fits);
         pairs.retain(|promise| {
             let more = promise.square - (current.square() - reached.square());
-            let added = (current.coefficients + promise.coefficients).saturating_sub(reached.coefficients);
+            let added = (current.numbers() + promise.coefficients).saturating_sub(reached.numbers());
             more > 0.0 && scatter.p_value(more, added) * selection.tests.powi(2) < settings.significance
         });
         let pairs: Vec<Explanation> = add_all(search, current, &pairs).into_iter().flatten().collect();
@@ -159,7 +159,7 @@ pub(crate) fn merit(search: &Search<'_>, explanation: &Explanation, scatter: &Sc
     let measured = search.study.records().first().map_or(0, |r| r.measured.len());
     let names: f64 = explanation.members.iter().map(|&m| surprise(&search.candidates[m], measured)).sum();
     let unphysical = if explanation.physical { 0.0 } else { scatter.price() };
-    scatter.criterion(explanation.square(), explanation.coefficients) + names + unphysical
+    scatter.criterion(explanation.square(), explanation.numbers()) + names + unphysical
 }
 
 /// Takes causes out that are not needed once all are there.
@@ -176,7 +176,7 @@ pub(crate) fn backwards(
         for &member in &chosen.members {
             let Some(without) = search.without(chosen, member) else { continue };
             let gained = without.square() - chosen.square();
-            let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
+            let p_value = scatter.p_value(gained, search.numbers(member)) * tests;
             let least = settings.verdict.selection.least_share * without.alarm.excess();
             let needed = p_value <= settings.significance && gained >= least;
             if !needed && worst.as_ref().is_none_or(|w| gained < w.0) {

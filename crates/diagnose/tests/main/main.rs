@@ -13,6 +13,7 @@ mod changes;
 mod effort;
 mod extend;
 mod force_error;
+mod hidden;
 mod integrate;
 mod library;
 mod library_dynamics;
