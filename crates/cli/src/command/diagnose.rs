@@ -150,7 +150,9 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
         match &output.out {
             Some(dir) => line(&format!("written to {}", dir.display()))?,
             None => {
-                line("(--out DIR writes a page with everything, the figures, and the extended model, if there is one)")?
+                line(
+                    "(--out DIR writes a page with everything, the figures, and the extended model, if there is one)",
+                )?;
             }
         }
     }
