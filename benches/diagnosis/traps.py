@@ -103,6 +103,7 @@ FAULTS: dict[str, set[str]] = {
     "hidden_mode": {"elastic_joint", "hidden_vibration"},
     # The parameter has another value for most of the time.
     "slow_change": {"parameter_error"},
+    "hysteresis": {"hysteresis"},
 }
 #: Faults that have no name of their own: an abstention is right, too.
 NAMELESS = {"slow_change"}
@@ -197,9 +198,13 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
         return None
     if fault == "coulomb" and plant.friction:
         return None
-    if fault == "hidden_mode" and not plant.positions:
+    if fault in ("hidden_mode", "hysteresis") and not plant.positions:
         return None
     frequency = 2 * math.pi * rng.uniform(2, 4)
+    way, share, way_state = 0.0, 1.0, 0.0
+    if fault == "hysteresis":
+        way, share = rng.uniform(0.02, 0.1) * (0.3 if plant.name != "pendulum" else 1.0), rng.choice([1.0, 0.6])
+        size *= 2
     dry = None
     if plant.friction:
         s, f, m = plant.friction
@@ -226,6 +231,11 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
             middle = {s: z[s] + 0.5 * STEP * a[s] for s in z}
             b = rate(middle, u, k)
             z = {s: z[s] + STEP * b[s] for s in z}
+        if fault == "hysteresis":
+            # Bouc and Wen with exponent 1; Dahl's friction with a share of 1.
+            v = z[speed]
+            way_state += STEP / way * (v - share * abs(v) * way_state - (1 - share) * v * abs(way_state))
+            z[force] -= STEP * size * way_state
         if fault == "hidden_mode":
             # A part of the mass hangs on a spring with a damper.
             gap, slip = hidden[0] - z[position], hidden[1] - z[speed]

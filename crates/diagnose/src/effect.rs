@@ -45,6 +45,7 @@ pub enum Cause {
     ParameterJump,
     ElasticJoint,
     HiddenVibration,
+    Hysteresis,
     WrongSign,
     WrongUnit,
     SwappedColumns,

@@ -1,4 +1,4 @@
-//! Masses that hang on a coordinate by a spring: elastic joints and hidden vibrations.
+//! Effects with states that no column shows: elastic joints, hidden vibrations, hysteresis.
 
 use bracketry_system::System;
 
@@ -17,14 +17,14 @@ const MOST: f64 = 10.0;
 /// The damping ratio from which a fit starts.
 const DAMPING: f64 = 0.1;
 
-/// For each coordinate, a mass that hangs on it by a spring and a damper and that no column shows, with an
+/// For each coordinate, hysteresis, and a mass that hangs on it by a spring and a damper and that no column shows, with an
 /// oscillation no longer than a `window`, in s: an elastic joint, or where no input
 /// drives the coordinate a hidden vibration. With the gap r to the coordinate q and the speed w of the mass
 ///
 /// ```text
 /// r' = w − q',  w' = −ω² r − 2 ζ ω (w − q'),  and the force J (ω² r + 2 ζ ω (w − q')) acts on q.
 /// ```
-pub(crate) fn hidden_masses(
+pub(crate) fn hidden_states(
     system: &System,
     records: &[Record],
     window: f64,
@@ -32,12 +32,16 @@ pub(crate) fn hidden_masses(
 ) -> Vec<Effect> {
     let mut builder = Builder::new(system, records, settings);
     let (slowest, fastest) = (1.0 / window, settings.highest_frequency / interval(records));
-    if slowest.is_nan() || slowest >= fastest {
-        return Vec::new();
-    }
     let frequencies = log_grid(1.2 * slowest, fastest, settings.frequency_trials);
     let coordinates = builder.structure.coordinates.clone();
-    coordinates.iter().filter_map(|c| builder.hidden_mass(c, (slowest, &frequencies))).collect()
+    let mut effects = Vec::new();
+    for c in coordinates.iter().filter(|_| slowest < fastest) {
+        effects.extend(builder.hidden_mass(c, (slowest, &frequencies)));
+    }
+    for c in &coordinates {
+        effects.extend(builder.hysteresis(c));
+    }
+    effects
 }
 
 impl Builder {

@@ -69,6 +69,7 @@ fn family(cause: Cause) -> Family {
         | Cause::ParameterJump
         | Cause::ElasticJoint
         | Cause::HiddenVibration
+        | Cause::Hysteresis
         | Cause::LiftOff
         | Cause::Backlash
         | Cause::DeadZone
@@ -327,6 +328,7 @@ fn isolating(e: &Effect, system: &System) -> String {
         Cause::ElasticJoint | Cause::HiddenVibration => {
             format!("knock on what moves with {v} while the input rests, and record how it rings")
         }
+        Cause::Hysteresis => format!("move {q} slowly to and fro, with large and with small strokes"),
         Cause::ParameterJump => "repeat the same run, long before and long after the time of the change".to_owned(),
         Cause::SensorDrift => format!("read {v} at rest over a long time"),
         Cause::DeadZone => format!("apply small values of {v}, growing slowly from 0"),

@@ -9,7 +9,7 @@ use super::curves::{curved, curved_where_better};
 use super::explanation::Explanation;
 use super::findings::{Ending, Findings, Rivals};
 use super::held_out::{UnseenWindows, thinned};
-use super::hidden::fit_hidden_masses;
+use super::hidden::fit_hidden;
 use super::hold::{half_a_sample, other_hold};
 use super::motion::{driven, still, uninformative};
 use super::noise::Scatter;
@@ -385,7 +385,7 @@ impl<'a> Attempt<'a> {
         if base.alarm.p_value < settings.significance && !search.is_over() && !is_told(&mut search, &base, &named)? {
             named.extend(changes(&mut search, &base, settings)?);
             if near.is_none() {
-                fit_hidden_masses(&mut search, &base, settings);
+                fit_hidden(&mut search, &base, settings);
             }
         }
         let patient = near.is_some() || settings.study.window.is_some();
@@ -401,11 +401,13 @@ impl<'a> Attempt<'a> {
     }
 }
 
-/// Whether some candidate promises to explain nearly all.
+/// Whether some candidate promises to explain nearly all, down to nearly the noise.
 fn is_told(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
     let linearized = search.linearized(base, named)?;
     let promised = search.singles(&linearized).first().map_or(0.0, |promise| promise.square);
-    Ok(promised >= search.settings.search.told * base.alarm.excess())
+    let limits = &search.settings.search;
+    let near = base.square() - promised < limits.near_noise.powi(2) * base.alarm.floor;
+    Ok(near && promised >= limits.told * base.alarm.excess())
 }
 
 /// Adds changes during the run to the candidates; returns their places.

@@ -37,6 +37,7 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
         | Cause::ParameterJump
         | Cause::ElasticJoint
         | Cause::HiddenVibration
+        | Cause::Hysteresis
         | Cause::Backlash
         | Cause::LiftOff
         | Cause::WrongSign

@@ -14,6 +14,7 @@ mod effort;
 mod extend;
 mod force_error;
 mod hidden;
+mod hysteresis;
 mod integrate;
 mod library;
 mod library_dynamics;
