@@ -61,37 +61,37 @@ fn sizeable(effect: &Effect, explanation: &Explanation, times: f64, scatter: &Sc
 
 impl Report {
     /// Takes the causes back if with them data that played no part in the fit are predicted no better at the longest horizon, or no better
-    /// than by a constant; takes their names if the improvement is small and structure remains.
+    /// than by a constant; takes their names where structure remains and the improvement is small, or there is another reason to doubt them.
     pub(super) fn weigh_gain(&mut self, limits: &NamingSettings) {
-        let Some(gain) = self.gain.as_ref().filter(|gain| gain.held_out && self.verdict.extends_the_model()) else {
+        if !self.verdict.extends_the_model() {
             return;
-        };
-        let (Some(&horizon), Some(&refitted), Some(&given), Some(&after)) =
-            (gain.horizons_s.last(), gain.before.last(), gain.as_given.last(), gain.after.last())
-        else {
-            return;
-        };
-        let before = refitted.min(given);
-        let small = SmallGain { horizon, before, after };
-        if !(after < (1.0 - limits.least_gain) * before && after < 1.0) {
+        }
+        let small = self.gain.as_ref().filter(|gain| gain.held_out).and_then(|gain| {
+            let [refitted, given, after] = [&gain.before, &gain.as_given, &gain.after].map(|list| list.last().copied());
+            Some(SmallGain { horizon: *gain.horizons_s.last()?, before: refitted?.min(given?), after: after? })
+        });
+        if let Some(small @ SmallGain { before, after, .. }) = small
+            && !(after < (1.0 - limits.least_gain) * before && after < 1.0)
+        {
             let causes = self.causes.iter().map(|c| c.name).collect();
             self.reason.outcome = Outcome::NoGain { causes, gain: small };
             self.withdraw();
             self.verdict = Verdict::NoGain;
-        } else if matches!(self.reason.outcome, Outcome::PartlyExplained { .. })
-            && let Some(caveat) = if after > (1.0 - limits.clear_gain) * before {
-                Some(Caveat::SmallGain(small))
-            } else {
-                self.doubt(limits).map(Caveat::Doubtful)
-            }
-        {
-            for cause in self.causes.iter_mut().filter(|c| c.name != Cause::UnknownTerm) {
-                cause.confusable_with.insert(0, cause.name);
-                cause.name = Cause::UnknownTerm;
-            }
-            self.reason.caveats.push(caveat);
-            self.verdict = Verdict::PartlyExplained;
+            return;
         }
+        if !matches!(self.reason.outcome, Outcome::PartlyExplained { .. }) {
+            return;
+        }
+        let little = small.filter(|gain| gain.after > (1.0 - limits.clear_gain) * gain.before);
+        let Some(caveat) = little.map(Caveat::SmallGain).or_else(|| self.doubt(limits).map(Caveat::Doubtful)) else {
+            return;
+        };
+        for cause in self.causes.iter_mut().filter(|c| c.name != Cause::UnknownTerm) {
+            cause.confusable_with.insert(0, cause.name);
+            cause.name = Cause::UnknownTerm;
+        }
+        self.reason.caveats.push(caveat);
+        self.verdict = Verdict::PartlyExplained;
     }
 
     /// A reason to doubt causes that leave structure.
@@ -106,8 +106,8 @@ impl Report {
         {
             return Some(Doubt::Noise { before, after });
         }
-        let gain = self.gain.as_ref()?;
-        if let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after)
+        if let Some(gain) = &self.gain
+            && let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after)
             && after > limits.most_force_error * before
         {
             return Some(Doubt::ForceError { before, after });
