@@ -4,7 +4,7 @@ use bracketry_symbolic::{Expr, Notation};
 use bracketry_system::System;
 
 use super::builder::{Builder, amplitude, shape};
-use super::names::TIME_INPUT;
+use super::names::{TIME_INPUT, symbols};
 use super::paths::interval;
 use crate::effect::{Cause, Change, Coefficient, Effect};
 use crate::error::DiagnoseError;
@@ -44,10 +44,13 @@ pub(crate) fn jumps(
     records: &[Record],
     settings: &LibrarySettings,
 ) -> Result<Vec<Jump>, DiagnoseError> {
-    let mut builder = Builder::new(system, records, settings);
-    if system.state_index(TIME_INPUT).is_some() || system.input_index(TIME_INPUT).is_some() {
+    // Where the model has another meaning for the name of the time, nothing can be said of it.
+    if symbols(system).any(|s| system.symbol_name(s) == TIME_INPUT)
+        || system.definitions.iter().any(|d| d.0 == TIME_INPUT)
+    {
         return Ok(Vec::new());
     }
+    let mut builder = Builder::new(system, records, settings);
     let places: Vec<Place> =
         [builder.parameters(parameters), builder.forces(), builder.gains()].into_iter().flatten().collect();
     let mut list = Vec::with_capacity(places.len());
