@@ -39,7 +39,7 @@ pub(super) fn weighted_step(
 }
 
 /// Intervals of 95 % for the columns of a linearization, relative to the values at which it was made: percentiles over
-/// `resamples` of whole windows (block bootstrap: Künsch, Annals of Statistics 17, 1989), each solved in linear approximation.
+/// `resamples` of whole windows (block bootstrap: Künsch 1989), each solved in linear approximation.
 /// The step that all windows ask for, each once, is subtracted: it is what the iteration left undone, or what a kink in the sum
 /// of squares hides, no scatter. Columns that are `held` do not move, and have no interval. `None` with fewer than five windows.
 pub fn bootstrap(

@@ -204,7 +204,7 @@ impl Builder {
     }
 
     /// The effect added last also lets the spin take part in the slip of the contact, whose friction then has components over the root of
-    /// `vx² + vy² + l² w²`, an ellipsoidal limit surface (Goyal, Ruina, Papadopoulos 1991): a body that spins slides more easily.
+    /// `vx² + vy² + l² w²`, an ellipsoidal limit surface (Goyal, Ruina, and Papadopoulos 1991): a body that spins slides more easily.
     fn share_slip(&mut self, w: &str, length: &str) {
         let sliding: Vec<Coordinate> = self.structure.translations().filter(|c| c.has_dry_friction).cloned().collect();
         let slips: Vec<String> = sliding.iter().map(|c| self.state(c.rate)).collect();

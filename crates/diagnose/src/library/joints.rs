@@ -27,7 +27,7 @@ impl Builder {
     ///
     /// With the slip s = v_a + r v_b = nᵀv and M v' = Q the model, the part adds the forces −n T, T = f s + c sgn(s) + I s'.
     /// Since s' = nᵀM⁻¹(Q − n T), this is T = (f s + c sgn(s) + I α)/(1 + I μ) with α = nᵀv' of the model and
-    /// μ = nᵀM⁻¹n (Sherman and Morrison), and v' changes by −M⁻¹n T.
+    /// μ = nᵀM⁻¹n (Sherman and Morrison 1950), and v' changes by −M⁻¹n T.
     fn turns_with_both(&mut self, a: &Coordinate, b: &Coordinate) -> Result<(), DiagnoseError> {
         let (v, w) = (self.state(a.rate), self.state(b.rate));
         let on = format!("{v}_{w}");

@@ -17,7 +17,7 @@ pub(crate) struct Probe {
     len: usize,
 }
 
-/// A number in [0, 1) that looks random (SplitMix64, Steele, Lea and Flood, OOPSLA 2014).
+/// A number in [0, 1) that looks random (SplitMix64: Steele, Lea, and Flood 2014).
 fn scattered(index: u64) -> f64 {
     let mut z = (index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -21,7 +21,7 @@ pub struct Noise {
 /// The noise of a column in which NaN stands for lost values: standard deviation, correlation, resolution.
 ///
 /// Differences of order p vanish on motion that is smooth on the scale of p samples, and leave noise of known variance
-/// (Hall, Kay and Titterington, Biometrika 77, 1990; here with the weights of divided differences, for any times). The lowest order
+/// (Hall, Kay, and Titterington 1990; here with the weights of divided differences, for any times). The lowest order
 /// is taken from which higher ones no longer lower the estimate; reversals and outliers do not count, by cutting at three standard
 /// deviations. The same with every second, fourth, … sample tells correlated noise from white: of white noise the estimate stays,
 /// and where it does not it is followed until it does, or until motion sets in. Noise is at least q/√12 for a resolution q,

@@ -43,7 +43,7 @@ settings! {
     /// Equations of motion along data.
     EquationSettings {
         /// Samples per period at the bandwidth: about 48 Hz at 1 kHz. A force error grows with its bandwidth; with this one the
-        /// published errors of the EMPS benchmark (Janot, Gautier and Brunot 2019; filtered differently) are met on both runs.
+        /// published errors of the EMPS benchmark (Janot, Gautier, and Brunot 2019; filtered differently) are met on both runs.
         samples_per_period: f64 = 21.0,
         /// Largest share of a derivative's size that may be noise of the sensor.
         most_derivative_noise: f64 = 0.02,

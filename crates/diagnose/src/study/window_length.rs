@@ -3,7 +3,7 @@
 //! Long windows let noise average out, since fewer initial states are fitted. Short windows forget sooner what the model gets
 //! wrong slowly (drift, disturbances), which in long ones swamps everything else. So the length is chosen at which the shared unknowns
 //! come out most certain, by a covariance that is honest about both: the sandwich `H⁻¹ M H⁻¹` with windows as blocks
-//! (White, "Maximum likelihood estimation of misspecified models", Econometrica 50, 1982).
+//! (White 1982).
 
 use super::fit::Fit;
 use super::linearization::Normal;

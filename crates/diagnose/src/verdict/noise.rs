@@ -51,7 +51,7 @@ impl Scatter {
         upper_tail(square / (k * self.unit()), k, self.freedom)
     }
 
-    /// Price of a coefficient: the logarithm of the number of independent samples (Schwarz's criterion).
+    /// Price of a coefficient: the logarithm of the number of independent samples (Schwarz 1978).
     pub(crate) fn price(&self) -> f64 {
         (self.samples / self.inflation).max(std::f64::consts::E).ln()
     }

@@ -24,7 +24,7 @@ enum Response {
 /// the highest peaks of its periodogram.
 ///
 /// A period tells itself only within half a cycle over all the data, so that a few fixed trials would miss most. The
-/// periodogram is that of least squares (Lomb, Astrophysics and Space Science 39, 1976): per window the residual is put
+/// periodogram is that of least squares (Lomb 1976): per window the residual is put
 /// against the sine and the cosine, integrated from the force to the column, with the initial state's part taken out.
 pub(super) fn tune(study: &Study, fit: &Fit, effects: &mut [Effect], settings: &PeriodSettings) {
     let system = study.system();

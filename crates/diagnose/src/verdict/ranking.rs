@@ -39,7 +39,7 @@ pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Diagn
 }
 
 /// The interval of 95 % for the share of the excess that an explanation takes away: percentiles of the ratio of both over resamples of
-/// whole windows (Künsch, Annals of Statistics 17, 1989), parameters at the values that all windows give.
+/// whole windows (Künsch 1989), parameters at the values that all windows give.
 fn interval(
     base: &Explanation,
     explanation: &Explanation,
