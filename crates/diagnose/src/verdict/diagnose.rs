@@ -382,11 +382,13 @@ impl<'a> Attempt<'a> {
         progress(Stage::Screen { candidates: library.len() });
         let mut search = Search::new(study, library, windows, limits);
         let base = search.nothing(fit);
-        if base.alarm.p_value < settings.significance && !search.is_over() && !is_told(&mut search, &base, &named)? {
+        if near.is_none()
+            && base.alarm.p_value < settings.significance
+            && !search.is_over()
+            && promised(&mut search, &base, &named)? < limits.search.told * base.alarm.excess()
+        {
             named.extend(changes(&mut search, &base, settings)?);
-            if near.is_none() {
-                fit_hidden(&mut search, &base, settings);
-            }
+            fit_hidden(&mut search, &base, settings);
         }
         let patient = near.is_some() || settings.study.window.is_some();
         // Three causes at once are left to the windows that suit what remains.
@@ -401,13 +403,10 @@ impl<'a> Attempt<'a> {
     }
 }
 
-/// Whether some candidate promises to explain nearly all, down to nearly the noise.
-fn is_told(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
+/// What the best single candidate promises.
+fn promised(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<f64, DiagnoseError> {
     let linearized = search.linearized(base, named)?;
-    let promised = search.singles(&linearized).first().map_or(0.0, |promise| promise.square);
-    let limits = &search.settings.search;
-    let near = base.square() - promised < limits.near_noise.powi(2) * base.alarm.floor;
-    Ok(near && promised >= limits.told * base.alarm.excess())
+    Ok(search.singles(&linearized).first().map_or(0.0, |promise| promise.square))
 }
 
 /// Adds changes during the run to the candidates; returns their places.
