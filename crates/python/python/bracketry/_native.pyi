@@ -382,6 +382,7 @@ def diagnose(
     seed: int | None,
     window: float | None,
     horizon: Sequence[float],
+    time_limit: float,
     threads: int,
 ) -> _Diagnosis: ...
 def identify(data: _Text, robot: _Text, keep_outliers: bool) -> _Identification: ...
