@@ -7,7 +7,7 @@ use crate::library::hidden_states;
 use crate::settings::DiagnosisSettings;
 
 /// One of so many windows tells whether a hidden state is worth a fit to all of them.
-const ONE_OF: usize = 4;
+const ONE_OF: usize = 16;
 
 /// Adds effects with hidden states to the candidates, and fits them exactly from several values of their shape, until one leaves no more than noise:
 /// far from the truth, the linearized problem tells nothing of them. A fit to some windows comes first, which ends where it does not come to
