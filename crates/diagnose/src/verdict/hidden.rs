@@ -7,7 +7,7 @@ use crate::library::hidden_states;
 use crate::settings::DiagnosisSettings;
 
 /// One of so many windows tells whether a hidden state is worth a fit to all of them.
-const ONE_OF: usize = 16;
+const ONE_OF: usize = 4;
 
 /// Adds effects with hidden states to the candidates, and fits them exactly from several values of their shape, until one leaves no more than noise:
 /// far from the truth, the linearized problem tells nothing of them. A fit to some windows comes first, which ends where it does not come to
@@ -24,6 +24,10 @@ pub(super) fn fit_hidden(search: &mut Search<'_>, base: &Explanation, settings: 
         let shape = effect.coefficients.iter().position(|c| c.trials.len() > 1);
         let trials = shape.map_or(&[][..], |i| &effect.coefficients[i].trials);
         for trial in trials {
+            if search.is_over() {
+                study.counter().leave_out(1);
+                return;
+            }
             search.scanned += 1.0;
             let mut start = start.clone();
             if let Some(i) = shape {
