@@ -1,6 +1,7 @@
 //! From records to the verdict: alarm, screening, selection, rivals, names.
 
 mod alarm;
+mod attempt;
 mod columns;
 mod curves;
 mod diagnose;
