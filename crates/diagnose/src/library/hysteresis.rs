@@ -15,7 +15,7 @@ const FORCE: f64 = 0.2;
 const LOOP: f64 = 0.9;
 
 impl Builder {
-    /// Hysteresis of Bouc and Wen with exponent 1 (Wen, Journal of the Engineering Mechanics Division 102, 1976), whose force is `-F z`;
+    /// Hysteresis of Bouc and Wen with exponent 1 (Wen 1976), whose force is `-F z`;
     /// with β = 1 it is the friction of Dahl:
     ///
     /// ```text

@@ -74,6 +74,11 @@ impl Fit {
         Self { windows: Vec::new(), ..self.clone() }
     }
 
+    /// How many states its effects add to the model.
+    pub(crate) fn hidden_states(&self) -> usize {
+        self.effects.iter().map(|e| e.hidden().len()).sum()
+    }
+
     /// Sum of squares over all windows.
     pub(crate) fn square(&self) -> f64 {
         self.windows.iter().map(|w| w.square).sum()

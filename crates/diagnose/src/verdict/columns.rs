@@ -263,16 +263,20 @@ fn change(e: &Estimate) -> f64 {
     }
 }
 
-/// The largest change of a parameter that the data determine.
-fn moved(fit: &Fit) -> f64 {
+/// The changes of the parameters that the data determine.
+fn changes(fit: &Fit) -> impl Iterator<Item = f64> {
     let known = fit.values.iter().enumerate().filter(|(j, _)| !fit.unidentified.contains(j));
-    known.map(|(_, e)| change(e)).fold(1.0, f64::max)
+    known.map(|(_, e)| change(e))
+}
+
+/// The largest of them.
+fn moved(fit: &Fit) -> f64 {
+    changes(fit).fold(1.0, f64::max)
 }
 
 /// Whether two parameters or more that the data determine have moved by more than a factor.
 fn several_moved(fit: &Fit, by: f64) -> bool {
-    let known = fit.values.iter().enumerate().filter(|(j, _)| !fit.unidentified.contains(j));
-    known.filter(|(_, e)| change(e) > by).count() > 1
+    changes(fit).filter(|change| *change > by).count() > 1
 }
 
 fn is_far(fit: &Fit, most: f64) -> bool {

@@ -22,8 +22,7 @@ pub(crate) struct Explanation {
 impl Explanation {
     /// Numbers that are fitted for its effects: coefficients, and in every window the starts of the states that they add.
     pub(crate) fn numbers(&self) -> usize {
-        let hidden: usize = self.fit.effects.iter().map(|e| e.hidden().len()).sum();
-        self.coefficients + hidden * self.fit.windows.len()
+        self.coefficients + self.fit.hidden_states() * self.fit.windows.len()
     }
 
     pub(crate) fn square(&self) -> f64 {

@@ -175,11 +175,11 @@ impl<'a> Search<'a> {
     /// The exact fit of `members` started from `initial`, or what is known of them already if that is better.
     pub(crate) fn refit(&mut self, mut members: Vec<usize>, initial: &Fit) -> Option<Explanation> {
         let key = sorted(&members);
-        let is_new = self.started.insert((key.clone(), bits(initial)));
-        if is_new && self.is_over() {
-            self.study.counter().leave_out(1);
+        if !self.started.insert((key.clone(), bits(initial))) {
+            return self.known.get(&key).cloned().flatten();
         }
-        if !is_new || self.is_over() {
+        if self.is_over() {
+            self.study.counter().leave_out(1);
             return self.known.get(&key).cloned().flatten();
         }
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
@@ -269,8 +269,7 @@ impl<'a> Search<'a> {
 
     /// Judges a fit by its residuals, which are not kept: nothing reads them again.
     fn judge(&self, members: Vec<usize>, mut fit: Fit) -> Explanation {
-        let hidden: usize = fit.effects.iter().map(|e| e.hidden().len()).sum();
-        let alarm = Alarm::of(&fit.windows, self.initial + hidden, fit.values.len(), &self.settings.alarm);
+        let alarm = Alarm::of(&fit.windows, self.initial + fit.hidden_states(), fit.values.len(), &self.settings.alarm);
         fit.windows.iter_mut().for_each(|window| window.residuals = Vec::new());
         let coefficients = members.iter().map(|&m| self.candidates[m].coefficients.len()).sum();
         let physical = members.iter().all(|&m| {
