@@ -185,7 +185,7 @@ impl Builder {
         let radius = if slip > 0.0 { slip / spin } else { 0.1 };
         // With the radius that counts in the slip as a share of that of the inertia, the data tell how strong the friction is, and hardly at
         // which radius: two lengths would both be uncertain.
-        let about = "length of the spin in the slip over the radius of gyration of the body: 0 means no friction against the spin";
+        let about = "lever arm of the spin in the slip, divided by the radius of gyration of the body: 0 means no friction against the spin";
         let ratio = Coefficient { min: 0.0, trials: vec![0.7], ..dissipation(k.clone(), "1", about) };
         let about = "radius of gyration of the body about the axis of the spin";
         let gyration = shape(rho.clone(), log_grid(0.03 * radius, 0.1 * radius, 3), "m", about);

@@ -113,7 +113,7 @@ pub enum FlatnessReason {
     )]
     DependentInputs,
     /// m = n − 1.
-    #[error("accessible, with one fewer input than states (Charlet, Lévine, and Marino 1989)")]
+    #[error("strongly accessible, with one fewer input than states (Charlet, Lévine, and Marino 1989)")]
     OneInputLess,
     /// m = n − 2 without drift.
     #[error("accessible without drift, with two fewer inputs than states (Martin and Rouchon 1995)")]

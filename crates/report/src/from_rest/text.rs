@@ -97,7 +97,8 @@ pub fn from_rest_text(found: &FromRest) -> String {
         lines.push("coordinates, and whether they change in both directions:".to_owned());
         for c in &found.coordinates {
             let more = motion(c.motion);
-            let more = if more.is_empty() { String::new() } else { format!(": {more}, whatever the inputs") };
+            let more =
+                if more.is_empty() { String::new() } else { format!(": {more}, for all inputs within their bounds") };
             lines.push(format!("  {} = {}: {}{more}", c.name, readable(c.at), answer(c.answer)));
         }
     }
