@@ -67,8 +67,8 @@ pub(crate) fn affinize(args: &AffinizeArgs, output: &CommonArgs) -> anyhow::Resu
         })?;
         return Ok(Outcome::Done);
     }
-    let mut comments = candidates(&affinization);
-    if args.candidate.is_none() {
+    let mut comments = candidates(&affinization, candidate.map(|c| c.0));
+    if candidate.is_none_or(|c| c.0.chosen) {
         comments.extend(changes(&affinization));
     }
     for comment in comments {

@@ -2,6 +2,7 @@
 
 use crate::common::{bracketry, code, file, json, model, scratch, stdout};
 use bracketry::system::System;
+use serde_json::Value;
 
 const SQUARE: &str = "states = ['x']\ninputs = ['u']\n[dynamics]\nx = '-x + x*u^2'\n";
 
@@ -30,6 +31,24 @@ fn every_way_is_listed_and_each_accepted_one_can_be_taken() {
             assert_eq!(code(&o), 2);
             assert!(String::from_utf8_lossy(&o.stderr).contains("was rejected: "));
         }
+    }
+}
+
+/// The comments above the model are about that model: whichever candidate is printed is the one that is called selected.
+#[test]
+fn the_candidate_that_is_printed_is_called_selected() {
+    let path = model("plate_published.toml");
+    let candidates = json(&["affinize", &path, "--json"])["candidates"].as_array().unwrap().clone();
+    for (k, candidate) in candidates.iter().enumerate().filter(|(_, c)| c["accepted"] == true) {
+        let number = (k + 1).to_string();
+        let text = stdout(&["affinize", &path, "--candidate", &number]);
+        let comments: Vec<&str> = text.lines().take_while(|line| line.starts_with("# ")).collect();
+        let selected: Vec<&&str> = comments.iter().filter(|line| line.contains(": selected")).collect();
+        assert_eq!(selected.len(), 1, "{text}");
+        assert!(selected[0].starts_with(&format!("# {number}. ")), "{text}");
+        let added = System::parse("affine.toml", &text).unwrap().states.len();
+        assert_eq!(Value::from(added), candidate["states"].as_array().unwrap().len());
+        assert_eq!(comments[0].trim_start_matches("# "), candidate["why"].as_str().unwrap(), "{text}");
     }
 }
 

@@ -99,16 +99,18 @@ pub fn changes(a: &Affinization) -> Vec<String> {
     inputs.chain(states).chain(a.range_notes.iter().map(ToString::to_string)).chain(no_point).collect()
 }
 
-/// The reason, and where there is a choice all candidates, numbered from 1, one line each.
-pub fn candidates(a: &Affinization) -> Vec<String> {
-    let mut lines = vec![a.why.to_string()];
+/// The reason, and where there is a choice all candidates, numbered from 1, one line each; `asked` is the one that is taken
+/// instead of the one that adds the fewest states.
+pub fn candidates(a: &Affinization, asked: Option<&Candidate>) -> Vec<String> {
+    let taken = asked.filter(|c| !c.chosen);
+    let mut lines = vec![taken.map_or_else(|| a.why.to_string(), |c| c.why.to_string())];
     if a.candidates.len() > 1 {
-        lines.extend(a.candidates.iter().enumerate().map(|(k, c)| format!("{}. {}", k + 1, candidate(c, a))));
+        lines.extend(a.candidates.iter().enumerate().map(|(k, c)| format!("{}. {}", k + 1, candidate(c, a, taken))));
     }
     lines
 }
 
-fn candidate(c: &Candidate, a: &Affinization) -> String {
+fn candidate(c: &Candidate, a: &Affinization, taken: Option<&Candidate>) -> String {
     let method = method_name(c.method);
     if !c.is_accepted() {
         return format!("{method}, rejected: {}", c.why);
@@ -118,6 +120,10 @@ fn candidate(c: &Candidate, a: &Affinization) -> String {
         n => counted(n, "state", "states"),
     };
     // The reason of the one taken stands above.
-    let why = if c.chosen && c.why == a.why { "selected".to_owned() } else { c.why.to_string() };
+    let why = match taken {
+        Some(taken) if std::ptr::eq(taken, c) => "selected by its number".to_owned(),
+        None if c.chosen && c.why == a.why => "selected".to_owned(),
+        _ => c.why.to_string(),
+    };
     format!("{method}, adds {states}: {why}")
 }
