@@ -47,8 +47,11 @@ impl GifImages {
     /// Adds the next image, shown for `delay` hundredths of a second.
     pub(crate) fn push(&mut self, image: &Pixmap, delay: u16) -> Result<()> {
         let (nearest, palette) = (&mut self.nearest, &self.palette);
-        let entries: Vec<u8> =
-            colors(image).map(|c| *nearest.entry(c).or_insert_with(|| closest(palette, c))).collect();
+        let mut entries: Vec<u8> = Vec::with_capacity(image.pixels().len());
+        for (color, count) in runs(image) {
+            let entry = *nearest.entry(color).or_insert_with(|| closest(palette, color));
+            entries.extend(std::iter::repeat_n(entry, count));
+        }
         let width = usize::from(self.width);
         let changed = |k: usize| self.before.get(k) != Some(&entries[k]);
         // An image without any change still lasts its time: one pixel stands for it.
@@ -86,9 +89,10 @@ impl GifImages {
     }
 }
 
-/// The colors of an opaque image.
-fn colors(image: &Pixmap) -> impl Iterator<Item = Rgb> {
-    image.pixels().iter().map(|p| [p.red(), p.green(), p.blue()])
+/// The colors of an opaque image, row by row, each with the number of pixels that follow each other in it.
+fn runs(image: &Pixmap) -> impl Iterator<Item = (Rgb, usize)> {
+    let same = image.pixels().chunk_by(|a, b| a == b);
+    same.filter_map(|run| run.first().map(|p| ([p.red(), p.green(), p.blue()], run.len())))
 }
 
 fn squared_distance(a: Rgb, b: Rgb) -> u32 {
@@ -97,8 +101,8 @@ fn squared_distance(a: Rgb, b: Rgb) -> u32 {
 
 fn palette(sample: &[Pixmap]) -> Vec<Rgb> {
     let mut counts: HashMap<Rgb, usize> = HashMap::new();
-    for color in sample.iter().flat_map(colors) {
-        *counts.entry(color).or_insert(0) += 1;
+    for (color, count) in sample.iter().flat_map(runs) {
+        *counts.entry(color).or_insert(0) += count;
     }
     let mut ordered: Vec<(usize, Rgb)> = counts.into_iter().map(|(color, n)| (n, color)).collect();
     ordered.sort_unstable_by(|a, b| b.cmp(a));
