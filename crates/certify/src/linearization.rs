@@ -1,8 +1,9 @@
 //! The linear part of a polynomial model.
 
 use bracketry_lie::linear::{MultivariatePolynomial, RationalMatrix, half_planes};
+use bracketry_numerics::matrix_equations::lyapunov;
 use bracketry_symbolic::Rational;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::model::PolynomialModel;
 use crate::monomials::Monomial;
@@ -26,12 +27,7 @@ pub(crate) fn eigenvalues(model: &PolynomialModel) -> [usize; 3] {
 
 /// P with Aᵀ P + P A = −Q; `None` where the equations are singular, or P is not positive definite.
 pub(crate) fn lyapunov_matrix(a: &DMatrix<f64>, q: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let n = a.nrows();
-    let identity = DMatrix::identity(n, n);
-    let equations = identity.kronecker(&a.transpose()) + a.transpose().kronecker(&identity);
-    let right = -DVector::from_column_slice(q.as_slice());
-    let p = equations.lu().solve(&right)?;
-    let p = DMatrix::from_column_slice(n, n, p.as_slice());
+    let p = lyapunov(&a.transpose(), q)?;
     let transposed = p.transpose();
     let p = (p + transposed) * 0.5;
     (p.iter().all(|x| x.is_finite()) && p.clone().cholesky().is_some()).then_some(p)

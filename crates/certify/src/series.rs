@@ -1,6 +1,7 @@
 //! Lyapunov functions as truncated power series.
 
 use bracketry_lie::linear::MultivariatePolynomial;
+use bracketry_numerics::linear_equations::solve_vector;
 use bracketry_symbolic::Rational;
 use nalgebra::{DMatrix, DVector};
 
@@ -60,7 +61,7 @@ fn homogeneous(
         }
     }
     let b = DVector::from_iterator(size, list.iter().map(|m| right.coefficient(m).to_f64().value()));
-    let solution = matrix.lu().solve(&b)?;
+    let solution = solve_vector(matrix, &b)?;
     solution.iter().all(|x| x.is_finite()).then(|| solution.iter().copied().collect())
 }
 

@@ -5,6 +5,7 @@ use crate::error::{MpcError, check_length};
 use crate::integrator::Interval;
 use crate::ocp::{CostFunction, CostPoint, Ocp};
 use crate::transcription::Shooter;
+use bracketry_numerics::linear_equations::solve;
 use bracketry_symbolic::{Expr, Pool, Rational};
 use nalgebra::{DMatrix, DVector};
 
@@ -84,7 +85,7 @@ pub fn dare(
         if rise.norm() <= TOLERANCE * h.norm() && closed.norm() < STABLE {
             let weight = r + b.transpose() * &h * b;
             let right = b.transpose() * &h * a + s.transpose();
-            let Some(gain) = weight.lu().solve(&right) else { return Err(MpcError::NotStabilizable) };
+            let Some(gain) = solve(weight, &right) else { return Err(MpcError::NotStabilizable) };
             return Ok(Riccati { cost_to_go: h, gain });
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::singular_values::tall_svd;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
-use nalgebra::{DMatrix, DVector, Dyn, SVD, Schur, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector, Dyn, SVD, Schur, SymmetricEigen};
 
 /// Iterations of the QR algorithm for each row; it commonly takes two or three.
 const ITERATIONS: usize = 100;
@@ -63,6 +63,17 @@ pub fn svd(a: &DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     }
     let SVD { u, v_t, singular_values } = tall_svd(&a.transpose())?;
     Some(SVD { u: Some(v_t?.transpose()), v_t: Some(u?.transpose()), singular_values })
+}
+
+/// The smallest singular value of a matrix of complex numbers; `None` where it has no entries, one is not a finite number, or the
+/// iteration does not converge.
+pub fn smallest_singular_value(a: DMatrix<Complex<f64>>) -> Option<f64> {
+    if a.is_empty() || !a.iter().all(|z| z.re.is_finite() && z.im.is_finite()) {
+        return None;
+    }
+    let iterations = ITERATIONS * (a.nrows() + a.ncols());
+    let svd = SVD::try_new(a, false, false, f64::EPSILON, iterations)?;
+    Some(svd.singular_values.iter().copied().fold(f64::INFINITY, f64::min))
 }
 
 /// The pseudo-inverse, singular values of at most `cut` taken for zero; `None` where the iteration does not converge, or an

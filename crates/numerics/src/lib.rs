@@ -14,6 +14,7 @@ pub mod collocation;
 pub mod dense;
 pub mod eigen;
 pub mod least_squares;
+pub mod linear_equations;
 pub mod matrix_equations;
 #[cfg(feature = "dense")]
 pub mod rows;

@@ -4,6 +4,7 @@ use bracketry_lie::Evidence;
 use bracketry_lie::analysis::ModeFields;
 use bracketry_lie::feedback::{DynamicExtension, ExtensionLimits};
 use bracketry_numerics::least_squares::{Damping, Settings, Status, minimize};
+use bracketry_numerics::linear_equations::solve_vector;
 use bracketry_sim::Hold;
 use bracketry_symbolic::{Expr, Function, Symbol, Tape};
 use bracketry_system::System;
@@ -169,7 +170,7 @@ impl Compiled {
             let (drift, matrix) = out.split_at(self.inputs);
             let right = DVector::from_iterator(self.inputs, highest(t).iter().zip(drift).map(|(y, b)| y - b));
             let a = DMatrix::from_row_slice(self.inputs, self.inputs, matrix);
-            let v = a.lu().solve(&right)?;
+            let v = solve_vector(a, &right)?;
             v.iter().all(|v| v.is_finite()).then(|| v.iter().copied().collect())
         };
         let evaluate = |t: f64, x: &[f64]| -> Vec<f64> {
@@ -209,7 +210,7 @@ fn hermite(start: &[f64], end: &[f64], duration: f64) -> Option<Vec<f64>> {
         let known: f64 = (k..r).map(|i| polynomial[i] * factor(i, k)).sum();
         scaled(end, k) - known
     });
-    let rest = matrix.lu().solve(&right)?;
+    let rest = solve_vector(matrix, &right)?;
     polynomial.extend(rest.iter());
     polynomial.iter().all(|c| c.is_finite()).then_some(polynomial)
 }

@@ -1,7 +1,8 @@
 //! Eigenvalues of matrices of numbers with what rounding leaves open of them.
 
 use bracketry_numerics::eigen::eigenvalues;
-use nalgebra::{Complex, DMatrix, DVector};
+use bracketry_numerics::linear_equations::nearly_null_vector;
+use nalgebra::{Complex, DMatrix};
 
 /// Eigenvalues that rounding does not tell from each other.
 pub(crate) struct Cluster {
@@ -65,22 +66,7 @@ fn overlap(m: &DMatrix<f64>, z: (f64, f64), rounding: f64) -> f64 {
     let shift = Complex::new(z.0 + rounding, z.1 + 0.5 * rounding);
     let shifted =
         DMatrix::from_fn(n, n, |i, j| Complex::from(m[(i, j)]) - if i == j { shift } else { Complex::from(0.0) });
-    let vector = |matrix: DMatrix<Complex<f64>>| -> Option<DVector<Complex<f64>>> {
-        let factors = matrix.lu();
-        // No direction of models is orthogonal to it by chance.
-        let mut v =
-            DVector::from_fn(n, |i, _| Complex::new(1.0 + (i as f64 * 0.618).fract(), (i as f64 * 0.414).fract()));
-        for _ in 0..3 {
-            v = factors.solve(&v)?;
-            let size = v.norm();
-            if !(size.is_finite() && size > 0.0) {
-                return None;
-            }
-            v.unscale_mut(size);
-        }
-        Some(v)
-    };
-    let right = vector(shifted.clone());
-    let left = vector(shifted.adjoint());
+    let left = nearly_null_vector(shifted.adjoint());
+    let right = nearly_null_vector(shifted);
     right.zip(left).map_or(0.0, |(x, y)| y.dotc(&x).norm())
 }

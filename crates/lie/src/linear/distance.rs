@@ -3,7 +3,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use nalgebra::{Complex, DMatrix, SVD};
+use bracketry_numerics::eigen::smallest_singular_value;
+use nalgebra::{Complex, DMatrix};
 use serde::Serialize;
 
 /// Bounds of a distance, and where it is small.
@@ -61,8 +62,7 @@ pub(crate) fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>, stopped: &dyn Fn() ->
             let shift = if i == j { Complex::new(z[0], z[1]) } else { Complex::from(0.0) };
             Complex::from(entry) - shift
         });
-        let svd = SVD::try_new(pencil, false, false, f64::EPSILON, 200 * (n + m))?;
-        Some(svd.singular_values.iter().copied().fold(f64::INFINITY, f64::min))
+        smallest_singular_value(pencil)
     };
     // Beyond ‖A‖ + σ(0) the value is larger than at 0, and it is the same at conjugate numbers.
     let start = sigma([0.0, 0.0])?;

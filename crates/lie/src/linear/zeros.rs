@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use bracketry_numerics::eigen::{balance, eigenvalues, svd};
+use bracketry_numerics::linear_equations::solve;
 
 /// The matrices of a linear system.
 #[derive(Clone, Debug)]
@@ -91,8 +92,7 @@ impl Quadruple {
         if reduced.a.is_empty() {
             return Some(Vec::new());
         }
-        let a =
-            if reduced.d.is_empty() { reduced.a } else { reduced.a - reduced.b * reduced.d.lu().solve(&reduced.c)? };
+        let a = if reduced.d.is_empty() { reduced.a } else { reduced.a - reduced.b * solve(reduced.d, &reduced.c)? };
         eigenvalues(&a)
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use crate::operating::linear_model::rows;
+use bracketry_numerics::linear_equations::exponential;
 use bracketry_numerics::matrix_equations::{lyapunov, riccati};
 
 /// Why there is no gain.
@@ -97,7 +98,7 @@ fn finite(a: &DMatrix<f64>, q: &DMatrix<f64>, time: f64) -> Option<DMatrix<f64>>
     block.view_mut((0, 0), (n, n)).copy_from(&-a);
     block.view_mut((0, n), (n, n)).copy_from(q);
     block.view_mut((n, n), (n, n)).copy_from(&a.transpose());
-    let e = (block * time).exp();
+    let e = exponential(&(block * time));
     let w = e.view((n, n), (n, n)).transpose() * e.view((0, n), (n, n));
     let w = (&w + w.transpose()) * 0.5;
     w.iter().all(|v| v.is_finite()).then_some(w)

@@ -1,7 +1,7 @@
 //! Eigenvalues of matrices on which iterations without a bound do not end.
 
-use bracketry_numerics::eigen::{balance, eigenvalues, pseudo_inverse, svd, symmetric_eigen};
-use nalgebra::{DMatrix, DVector};
+use bracketry_numerics::eigen::{balance, eigenvalues, pseudo_inverse, smallest_singular_value, svd, symmetric_eigen};
+use nalgebra::{Complex, DMatrix, DVector};
 use proptest::prelude::*;
 
 /// x0' = u, x_i' = x0 − x_i, on which the QR algorithm without a limit does not end.
@@ -30,6 +30,7 @@ fn what_is_not_a_number_has_no_eigenvalues() {
         let a = DMatrix::from_row_slice(2, 2, &[1.0, bad, 0.0, 1.0]);
         assert!(eigenvalues(&a).is_none() && symmetric_eigen(a.clone()).is_none());
         assert!(svd(&a).is_none() && pseudo_inverse(&a, 1e-12).is_none());
+        assert_eq!(smallest_singular_value(a.map(Complex::from)), None);
     }
 }
 
@@ -43,6 +44,26 @@ fn a_pseudo_inverse_fulfills_the_conditions_of_penrose() {
         assert!((&a * &inverse * &a - &a).norm() <= 1e-12 * size);
         assert!((&inverse * &a * &inverse - &inverse).norm() <= 1e-12 * size);
         assert!((&a * &inverse - (&a * &inverse).transpose()).norm() <= 1e-12 * size);
+    }
+}
+
+/// The real form [[Re, −Im], [Im, Re]] of a complex matrix has its singular values, each twice.
+#[test]
+fn the_smallest_singular_value_is_that_of_the_real_form() {
+    for (rows, columns) in [(1, 1), (2, 3), (4, 2), (5, 5)] {
+        let part = |shift: usize| DMatrix::from_fn(rows, columns, |i, j| ((i * 7 + j * 5 + shift) % 11) as f64 - 4.3);
+        let (re, im) = (part(0), part(3));
+        let real = DMatrix::from_fn(2 * rows, 2 * columns, |i, j| {
+            let (block, at) = ((i / rows, j / columns), (i % rows, j % columns));
+            match block {
+                (0, 1) => -im[at],
+                (1, 0) => im[at],
+                _ => re[at],
+            }
+        });
+        let expected = svd(&real).unwrap().singular_values.min();
+        let found = smallest_singular_value(re.zip_map(&im, Complex::new)).unwrap();
+        assert!((found - expected).abs() <= 1e-13 * real.norm(), "{found} {expected}");
     }
 }
 

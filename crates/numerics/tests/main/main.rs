@@ -6,6 +6,7 @@ mod collocation;
 mod dense;
 mod eigen;
 mod least_squares;
+mod linear_equations;
 mod matrix_equations;
 #[cfg(feature = "dense")]
 mod rows;

@@ -8,6 +8,7 @@ use super::dependence::Span;
 use super::filippov::Field;
 use super::relaxation::relax;
 use super::surfaces::{divide, norm};
+use bracketry_numerics::linear_equations::solve_vector;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -228,7 +229,7 @@ impl Departure<'_> {
             // Directions without influence follow σ̇ as slowly as |σ| grows.
             matrix[(a, a)] -= now.radial[a].max(0.0) + 1e-13 * size;
         }
-        let step = matrix.lu().solve(&-&now.across)?;
+        let step = solve_vector(matrix, &-&now.across)?;
         step.iter().all(|v| v.is_finite() && v.abs() < 1.0).then_some(step)
     }
 }

@@ -8,6 +8,7 @@ use super::dense::{EMBEDDED, third_difference};
 use super::step::{Attempt, Control, RADAU_STAGES, Step};
 use crate::friction::{Field, FrictionMode, divide, norm};
 use bracketry_numerics::collocation::{RADAU_3 as A, RADAU_3_NODES as C};
+use bracketry_numerics::linear_equations::solve_vector;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -196,7 +197,7 @@ impl Stages<'_, '_> {
         for (a, length) in lengths.iter().enumerate() {
             matrix[(a, a)] -= length;
         }
-        let Some(turn) = matrix.lu().solve(&right).filter(|turn| turn.iter().all(|v| v.is_finite())) else {
+        let Some(turn) = solve_vector(matrix, &right).filter(|turn| turn.iter().all(|v| v.is_finite())) else {
             return false;
         };
         let steps: [DVector<f64>; 3] =
