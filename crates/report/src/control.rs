@@ -33,7 +33,9 @@ impl fmt::Display for Text<'_> {
         if let Some(found) = &report.found {
             let end_time = found.end_time.iter().map(|t| ("end time", *t, " s"));
             let parameters = found.parameters.iter().map(|(name, v)| (name.as_str(), *v, ""));
-            let values = end_time.chain(parameters).map(|(name, v, unit)| format!("{name} {}{unit}", readable(v)));
+            let starts = found.initial_states.iter().map(|(name, v)| (name.as_str(), *v, " at the start"));
+            let values =
+                end_time.chain(parameters).chain(starts).map(|(name, v, unit)| format!("{name} {}{unit}", readable(v)));
             let programs = effort(found.interior_point_steps, found.programs);
             writeln!(
                 f,

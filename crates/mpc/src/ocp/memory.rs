@@ -1,8 +1,10 @@
 //! Inputs that are remembered for one interval: costs and constraints of their rates are functions of state and input then.
 
 use super::bounds::Bounds;
+use super::moves::Moves;
 use super::previous_input::PreviousInput;
 use super::problem::Ocp;
+use crate::trajectory::PlannedTrajectory;
 
 impl Ocp {
     /// Number of states of the dynamics.
@@ -25,6 +27,22 @@ impl Ocp {
         let first = self.model_states();
         let carrier = |j: &usize| self.previous_inputs.iter().position(|p| p.input == *j);
         self.constant_inputs.iter().filter_map(|j| Some((*j, first + carrier(j)?))).collect()
+    }
+
+    /// Which variables of the list (x, u) stand at the place of another one.
+    pub(crate) fn moves(&self) -> Moves {
+        let n = self.states();
+        Moves {
+            first: self.free_starts.iter().map(|&(state, j)| (state, n + j)).collect(),
+            later: self.carried().into_iter().map(|(j, state)| (n + j, state)).collect(),
+        }
+    }
+
+    /// Gives the first state of a trajectory the values of the inputs that stand for it.
+    pub(crate) fn start_as_decided(&self, trajectory: &mut PlannedTrajectory) {
+        for &(state, j) in &self.free_starts {
+            trajectory.x_mut(0)[state] = trajectory.u(0)[j];
+        }
     }
 
     /// Appends to a state of the dynamics what is remembered of the input `before`.

@@ -97,6 +97,8 @@ pub struct Ocp {
     pub move_blocks: Vec<usize>,
     /// Inputs that are held over the whole horizon: constants to be decided on.
     pub constant_inputs: Vec<usize>,
+    /// Initial states that are decided on too: the state, and the constant input whose value it has.
+    pub free_starts: Vec<(usize, usize)>,
     /// Branches of a scenario tree, where the problem is one.
     pub branching: Option<Branching>,
     /// A set in which the last state shall lie.
@@ -138,6 +140,7 @@ impl Ocp {
             norm_rows: Vec::new(),
             move_blocks: Vec::new(),
             constant_inputs: Vec::new(),
+            free_starts: Vec::new(),
             branching: None,
             terminal_set: None,
             state_scale: vec![1.0; states],

@@ -12,6 +12,13 @@ impl Ocp {
         if let Some(j) = self.constant_inputs.iter().find(|j| **j >= inputs) {
             return Err(MpcError::Length { what: "the list of inputs", found: inputs, expected: j + 1 });
         }
+        if let Some((i, _)) = self.free_starts.iter().find(|(i, _)| *i >= states) {
+            return Err(MpcError::Length { what: "the list of states", found: states, expected: i + 1 });
+        }
+        if let Some((_, j)) = self.free_starts.iter().find(|(_, j)| !self.constant_inputs.contains(j)) {
+            let remedy = "let a constant input stand for the initial state";
+            check_value(false, "the input of a free initial state", *j as f64, remedy)?;
+        }
         self.check_shapes(states, inputs)?;
         for &length in &self.move_blocks {
             positive("the length of a move block", length as f64)?;

@@ -1,4 +1,4 @@
-//! The end time and the parameters that a plan decided on.
+//! The end time, parameters, and initial states that a plan decided on.
 
 use bracketry_symbolic::Named;
 use serde::Serialize;
@@ -12,6 +12,9 @@ pub struct FoundValues {
     /// Parameters of the model.
     #[serde(skip_serializing_if = "Named::is_empty")]
     pub parameters: Named<f64>,
+    /// Initial states that were left free.
+    #[serde(skip_serializing_if = "Named::is_empty")]
+    pub initial_states: Named<f64>,
     /// How the solution process ended.
     pub status: String,
     /// Whether it converged.

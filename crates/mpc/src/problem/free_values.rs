@@ -1,4 +1,4 @@
-//! The end time and the parameters that a plan decides on.
+//! The end time, parameters, and initial states that a plan decides on.
 
 use super::control_problem::{ControlProblem, FreeValues};
 use super::found_values::FoundValues;
@@ -24,12 +24,12 @@ const PRECISION: f64 = 1e-7;
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl ControlProblem {
-    /// Whether an end time or parameters are free, for which no values have been found yet.
+    /// Whether an end time, parameters, or initial states are free, for which no values have been found yet.
     pub fn has_free_values(&self) -> bool {
         self.free.is_some()
     }
 
-    /// The problem with the end time and parameters that its plan decides on, and this plan as its guess; the problem itself where
+    /// The problem with the end time, parameters, and initial states that its plan decides on, and this plan as its guess; the problem itself where
     /// nothing is free. Whatever runs or steps a problem does this first; do it yourself to see `dt` and the parameters of the
     /// plant.
     ///
@@ -60,6 +60,7 @@ impl ControlProblem {
         let found = FoundValues {
             end_time: None,
             parameters: Named(Vec::new()),
+            initial_states: Named(Vec::new()),
             status: solution.status.to_string(),
             converged: solution.status == SolveStatus::Converged,
             interior_point_steps: solution.interior_point_steps,
@@ -83,7 +84,11 @@ impl ControlProblem {
         for (k, row) in problem.guess.iter_mut().enumerate() {
             row.copy_from_slice(&inputs.u(k)[..m]);
         }
-        problem.x0.clone_from(&self.x0);
+        for (i, (to, given)) in problem.x0.iter_mut().zip(&self.x0).enumerate() {
+            if !free.extended.ocp.free_starts.iter().any(|(state, _)| *state == i) {
+                *to = *given;
+            }
+        }
         problem.samples = self.samples;
         problem.conditions = self.conditions.clone();
         problem.stop = self.stop.clone();
@@ -132,12 +137,16 @@ impl ControlProblem {
 }
 
 impl FreeValues {
-    /// What was found, with the values of the inputs that stand for what is free: the parameters, then the end time by its guess.
+    /// What was found, with the values of the inputs that stand for what is free: the parameters, the initial states, then the end time by
+    /// its guess.
     fn valued(&self, found: FoundValues, values: &[f64]) -> FoundValues {
         let scale = values.last().copied().unwrap_or(1.0);
+        let states = self.extended.system.state_names();
+        let starts = self.extended.ocp.free_starts.iter().map(|(state, _)| states[*state].clone());
         FoundValues {
             end_time: self.end_time.map(|guess| guess * scale),
             parameters: Named(self.parameters.iter().cloned().zip(values.iter().copied()).collect()),
+            initial_states: Named(starts.zip(values.iter().skip(self.parameters.len()).copied()).collect()),
             ..found
         }
     }

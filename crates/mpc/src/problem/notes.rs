@@ -93,7 +93,7 @@ pub enum Note {
         /// Whether the plan is known to reach them: it converged.
         reached: bool,
     },
-    /// The search for a free end time and free parameters did not converge.
+    /// The search for free values did not converge.
     SearchNotConverged {
         /// How it ended.
         status: String,

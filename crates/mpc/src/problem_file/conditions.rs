@@ -35,7 +35,13 @@ impl Reader<'_> {
         let run = given.unwrap_or(none);
         self.doc.only_keys(run, &KEYS, "[run]")?;
         let samples = self.count(run, "steps", Some(steps))?;
-        let x0 = self.by_state(run, "x0")?.unwrap_or_else(|| vec![0.0; self.system.states.len()]);
+        let mut x0 = vec![0.0; self.system.states.len()];
+        for (name, value) in self.doc.sub_table(run, "x0")?.into_iter().flatten() {
+            let i = self.state(name.get_ref(), name.span())?;
+            if !is_free(value) {
+                x0[i] = self.constant(value, name.get_ref())?;
+            }
+        }
         let given = given.is_some();
         let plant_substeps = run
             .contains_key("plant_substeps")

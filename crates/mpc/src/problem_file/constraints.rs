@@ -18,10 +18,10 @@ const LEAST_WIDTH: f64 = 1e-16;
 /// Expressions in their pool.
 #[derive(Clone)]
 pub(super) struct Vector {
-    pool: Pool,
-    components: Vec<Expr>,
-    uses_states: bool,
-    uses_inputs: bool,
+    pub(super) pool: Pool,
+    pub(super) components: Vec<Expr>,
+    pub(super) uses_states: bool,
+    pub(super) uses_inputs: bool,
 }
 
 impl Reader<'_> {

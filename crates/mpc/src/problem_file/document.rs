@@ -1,5 +1,6 @@
 //! A problem file as a whole: its keys, the models it names, and the problem it states.
 
+use super::free::Free;
 use super::horizon::{KEYS as HORIZON_KEYS, MOST_INTERVALS};
 use super::reader::Reader;
 use super::scaling::Expected;
@@ -13,7 +14,7 @@ use bracketry_system::{Accepted, Document, FileError, System};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-const KEYS: [&str; 19] = [
+const KEYS: [&str; 20] = [
     "name",
     "model",
     "plant",
@@ -24,6 +25,7 @@ const KEYS: [&str; 19] = [
     "references",
     "constraints",
     "target",
+    "periodic",
     "scale",
     "trust",
     "guess",
@@ -127,8 +129,12 @@ impl Source {
             let remedy = "write equations that are linear in them, or remove the parameters of [uncertainty]";
             return Err(doc.error(v.span(), message, remedy).into());
         }
+        if let Some(v) = table.get("periodic").filter(|_| tree.is_some()) {
+            let message = "periodic states cannot be combined with uncertain parameters";
+            return Err(doc.error(v.span(), message, "remove `periodic`, or the parameters of [uncertainty]").into());
+        }
         if let Some(v) = table.get("uncertainty").filter(|_| !free.is_empty()) {
-            let message = "uncertainty cannot be combined with a free end time or free parameters";
+            let message = "uncertainty cannot be combined with free values";
             return Err(doc.error(v.span(), message, "fix the free values, or remove [uncertainty]").into());
         }
         let reader = Reader { tree: tree.as_ref(), ..reader };
@@ -136,12 +142,13 @@ impl Source {
             reader.plant_parameters(run, &mut plant)?;
         }
         let end_time = free.end_time.as_ref().map(|r| found.and_then(|f| f.end_time).unwrap_or(r.guess));
-        let mut problem = reader.problem(&table, plant.clone(), end_time, !free.is_empty())?;
+        let values = Values { end_time, free: &free, found };
+        let mut problem = reader.problem(&table, plant.clone(), values, !free.is_empty())?;
         if !free.is_empty() && found.is_none() {
             let varying = reader.varying_parameters(&table)?;
             let system = free.system(&system, &varying);
             let reader = Reader { system: &system, free: Some(&free), ..first };
-            let extended = reader.problem(&table, plant, end_time, true)?;
+            let extended = reader.problem(&table, plant, values, true)?;
             let source = Arc::clone(self);
             let with_found = Box::new(move |found: &FoundValues| source.problem(Some(found)));
             let end_time = free.end_time.as_ref().map(|r| r.guess);
@@ -172,25 +179,34 @@ fn with_own_inputs(system: System) -> Result<System, ProblemError> {
     if system.input_derivatives.is_empty() { Ok(system) } else { Ok(system.affinize()?.system) }
 }
 
+/// What the values of a problem's free constants are: those found, or the guess.
+#[derive(Clone, Copy)]
+struct Values<'a> {
+    /// End time, s, where it is free.
+    end_time: Option<f64>,
+    free: &'a Free,
+    found: Option<&'a FoundValues>,
+}
+
 impl Reader<'_> {
-    /// The problem over the end time, where it is a free one; `planned` where anything is free.
+    /// The problem with these values of what is free; `planned` where anything is.
     fn problem(
         &self,
         table: &Table<'_>,
         plant: System,
-        end_time: Option<f64>,
+        values: Values<'_>,
         planned: bool,
     ) -> Result<ControlProblem, ProblemError> {
         // One branch first; the other ones are like it.
         let (tree, this) = (self.tree, Reader { tree: None, ..*self });
-        this.problem_of_one(table, plant, end_time, planned, tree)
+        this.problem_of_one(table, plant, values, planned, tree)
     }
 
     fn problem_of_one(
         &self,
         table: &Table<'_>,
         plant: System,
-        end_time: Option<f64>,
+        values: Values<'_>,
         planned: bool,
         tree: Option<&Tree>,
     ) -> Result<ControlProblem, ProblemError> {
@@ -221,7 +237,7 @@ impl Reader<'_> {
         }
         let dt = match lengths.first() {
             Some(first) => *first,
-            None => self.interval(horizon, steps, end_time)?,
+            None => self.interval(horizon, steps, values.end_time)?,
         };
         let mut ocp = Ocp::new(n, m, steps, dt);
         if lengths.iter().any(|l| *l != dt) {
@@ -234,7 +250,8 @@ impl Reader<'_> {
         self.steps_of_the_plant(horizon, &plant, dt)?;
 
         let no_run = Table::new();
-        let (run, start) = self.run(table, &no_run, steps)?;
+        let (run, mut start) = self.run(table, &no_run, steps)?;
+        values.free.start(values.found, system, &mut start.x0);
         let points = start.samples + ocp.samples_of_horizon();
         let schedule = Schedule {
             parameters: self.parameters(table, points, dt)?,
@@ -261,6 +278,7 @@ impl Reader<'_> {
         let references = reader.reference_uses(table, &schedule.references, &names)?;
         self.ranges(&mut ocp);
         reader.constraints(table, &names, &mut ocp)?;
+        self.starts_within_bounds(run, &mut ocp)?;
         let mut guess = self.guess(table, &ocp)?;
         self.initial_guess(table, &ocp, &mut guess)?;
         if let Some(free) = self.free {
@@ -269,6 +287,7 @@ impl Reader<'_> {
         let Expected { cost_level: level, explicit_steps, long_interval } =
             self.expected_sizes(&start.x0, &guess, &mut ocp)?;
         self.targets(table, &mut ocp)?;
+        reader.periodic(table, &start.x0, &names, &mut ocp)?;
         self.scales(table, &mut ocp)?;
         Self::default_penalties(level, &mut ocp);
         self.end_of_horizon(table, &live, level, &mut ocp)?;

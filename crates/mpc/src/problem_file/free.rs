@@ -1,4 +1,4 @@
-//! What a problem leaves free: its end time, and parameters of the model. Both are constants that the plan decides on.
+//! What a problem leaves free: its end time, parameters of the model, and initial states. All are constants that the plan decides on.
 //!
 //! In the problem that is solved for them they are inputs held over the whole horizon. With T the end time and σ = T/T_guess,
 //!
@@ -15,6 +15,11 @@ use bracketry_system::{Parameter, System};
 
 /// Name of σ.
 const TIME_SCALE: &str = "end_time#scale";
+
+/// Name of the input that stands for the initial value of a state.
+pub(super) fn start_name(system: &System, state: usize) -> String {
+    format!("{}#start", system.symbol_name(system.states[state]))
+}
 
 /// The values that a constant may take, and where the search for it begins.
 #[derive(Clone, Debug)]
@@ -34,22 +39,25 @@ impl FreeRange {
     }
 }
 
-/// What is free, in the order of the inputs that stand for it: the parameters, then σ.
+/// What is free, in the order of the inputs that stand for it: the parameters, the initial states, then σ.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Free {
     pub(super) parameters: Vec<(String, FreeRange)>,
+    /// States, by number, whose initial value is free.
+    pub(super) starts: Vec<(usize, FreeRange)>,
     pub(super) end_time: Option<FreeRange>,
 }
 
 impl Free {
     pub(super) fn is_empty(&self) -> bool {
-        self.parameters.is_empty() && self.end_time.is_none()
+        self.parameters.is_empty() && self.starts.is_empty() && self.end_time.is_none()
     }
 
     /// The ranges of the inputs that stand for what is free.
     fn inputs(&self) -> impl Iterator<Item = FreeRange> {
         let scale = self.end_time.iter().map(|r| FreeRange { min: r.min / r.guess, max: r.max / r.guess, guess: 1.0 });
-        self.parameters.iter().map(|(_, r)| r.clone()).chain(scale)
+        let starts = self.starts.iter().map(|(_, r)| r.clone());
+        self.parameters.iter().map(|(_, r)| r.clone()).chain(starts).chain(scale)
     }
 
     /// The system in which they are inputs, the last ones. Parameters that vary over time are polynomials in σ, see
@@ -62,6 +70,11 @@ impl Free {
             let free: Vec<_> = symbols.filter(|s| pool.name(*s) == name).collect();
             system.parameters.retain(|p| !free.contains(&p.symbol));
             system.inputs.extend(free);
+        }
+        for (state, _) in &self.starts {
+            let name = start_name(&system, *state);
+            let start = system.pool.symbol(&name);
+            system.inputs.push(start);
         }
         if self.end_time.is_some() {
             let scale = system.pool.symbol(TIME_SCALE);
@@ -104,6 +117,14 @@ impl Free {
         }
     }
 
+    /// The initial state with the values found, or those of the guess, in place of what is free.
+    pub(super) fn start(&self, found: Option<&FoundValues>, system: &System, x0: &mut [f64]) {
+        for (state, range) in &self.starts {
+            let name = system.symbol_name(system.states[*state]);
+            x0[*state] = found.and_then(|f| f.initial_states.get(name).copied()).unwrap_or(range.guess);
+        }
+    }
+
     /// Remembers the inputs that stand for what is free.
     pub(super) fn remember(&self, ocp: &Ocp, remembered: &mut Remembered) {
         remembered.constants.clone_from(&ocp.constant_inputs);
@@ -119,6 +140,8 @@ impl Free {
             ocp.constant_inputs.push(first + i);
             ocp.input_trust[first + i] = r.size();
         }
+        let starts = first + self.parameters.len();
+        ocp.free_starts = self.starts.iter().zip(starts..).map(|((state, _), input)| (*state, input)).collect();
     }
 
     /// Puts their guesses into rows of inputs, whose last entries they are.

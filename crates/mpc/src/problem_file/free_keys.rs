@@ -2,6 +2,7 @@
 
 use super::free::{Free, FreeRange};
 use super::reader::{Located, Parsed, Reader};
+use crate::ocp::Ocp;
 use bracketry_symbolic::{Expr, Pool};
 use bracketry_system::{Table, Value};
 
@@ -42,6 +43,17 @@ impl Reader<'_> {
             let range = self.free_range(v, t, name, guess, (f64::NEG_INFINITY, f64::INFINITY))?;
             free.parameters.push((name.to_owned(), range));
         }
+        let run = self.doc.sub_table(table, "run")?;
+        for (key, v) in run.map(|run| self.doc.sub_table(run, "x0")).transpose()?.flatten().into_iter().flatten() {
+            let name: &str = key.get_ref();
+            let Value::Table(t) = v.get_ref() else { continue };
+            let state = self.state(name, key.span())?;
+            let remedy =
+                format!("write x0 = {{ {name} = {{ free = true, min = -1, max = 1, guess = 0 }} }}, or a number");
+            let guess = self.free_guess(v, t, name, &remedy)?;
+            let range = self.free_range(v, t, name, guess, (f64::NEG_INFINITY, f64::INFINITY))?;
+            free.starts.push((state, range));
+        }
         Ok(free)
     }
 
@@ -72,6 +84,25 @@ impl Reader<'_> {
             return Err(self.doc.error(v.span(), message, "choose min ≤ guess ≤ max, min < max").into());
         }
         Ok(FreeRange { min, max, guess })
+    }
+
+    /// A free initial state keeps the bounds of the state too.
+    pub(super) fn starts_within_bounds(&self, run: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
+        for (state, input) in ocp.free_starts.clone() {
+            let (b, (min, max)) = (&ocp.state_bounds[state], ocp.input_bounds[input]);
+            let common = (min.max(b.min), max.min(b.max));
+            if common.0 >= common.1 {
+                let name = self.system.symbol_name(self.system.states[state]);
+                let message = format!(
+                    "the range {min} to {max} of the initial `{name}` leaves nothing of its bounds {} to {}",
+                    b.min, b.max
+                );
+                let span = run.get("x0").map_or(0..0, toml::Spanned::span);
+                return Err(self.doc.error(span, message, "change the range or the bounds, or write a number").into());
+            }
+            ocp.input_bounds[input] = common;
+        }
+        Ok(())
     }
 
     /// Length of an interval: `dt`, or the end time over the number of intervals.

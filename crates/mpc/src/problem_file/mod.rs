@@ -13,6 +13,7 @@ mod free_keys;
 mod horizon;
 mod initial_guess;
 mod intervals;
+mod periodic;
 mod rates;
 mod reader;
 mod references;

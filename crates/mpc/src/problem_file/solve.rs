@@ -87,7 +87,7 @@ impl Reader<'_> {
         let with = |name: Name| self.solve_by(name, solve, hard_weight, input_bounds);
         if planned {
             if let Some(v) = solve.get("method").filter(|_| named != Name::Plan) {
-                let message = "this method has a moving horizon: it cannot optimize an end time or a parameter";
+                let message = "this method has a moving horizon: it cannot optimize an end time, a parameter, or an initial state";
                 let remedy = "write method = \"plan\", or remove it; or fix the free values";
                 return Err(self.doc.error(v.span(), message, remedy).into());
             }

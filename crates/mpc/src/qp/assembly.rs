@@ -2,7 +2,7 @@
 
 use super::exact_hessian::{StageBlocks, block_places};
 use super::program::{NOWHERE, Side, StageProgram};
-use crate::ocp::{Ocp, Softness};
+use crate::ocp::{Moves, Ocp, Softness};
 
 /// A bound of one variable: row, whether it is the upper one.
 pub(super) struct BoundRow {
@@ -62,8 +62,7 @@ pub(super) struct Assembly {
     pub(super) set: Option<SetRows>,
     pub(super) gradient: Vec<f64>,
     pub(super) hessian: Vec<f64>,
-    /// Constant inputs and the states that carry them on, as [`Ocp::carried`].
-    pub(super) carried: Vec<(usize, usize)>,
+    pub(super) moves: Moves,
 }
 
 /// A slack of the bound, constraint or target number `of`: its grid point and its place there.
@@ -147,9 +146,9 @@ impl Assembly {
         let slacks = Slacks::new(ocp, steps);
         let mut assembly = Self {
             program: slacks.program(ocp, steps, closure),
-            blocks: exact.then(|| StageBlocks::new(ocp.carried())),
+            blocks: exact.then(|| StageBlocks::new(ocp.moves())),
             gradient: vec![0.0; ocp.states() + ocp.inputs()],
-            carried: ocp.carried(),
+            moves: ocp.moves(),
             ..Self::default()
         };
         assembly.bound_inputs(ocp);
@@ -220,7 +219,7 @@ impl Assembly {
             let rows = sides(p.bounds.min, p.bounds.max).map(|upper| {
                 let row = self.program.add_row(k);
                 self.program.add_entry(row, slack, -1.0);
-                (upper, row, self.program.add_jacobian(row, k, p.function.jacobian_pattern()))
+                (upper, row, self.program.add_jacobian(row, k, p.function.jacobian_pattern(), &self.moves))
             });
             let sides = rows.collect();
             self.path.push(PathRows { constraint: at.of, k, sides });
@@ -255,11 +254,11 @@ impl Assembly {
             let (k, constraint, p) = (at.k, at.of, &ocp.norm_constraints[at.of]);
             let row = self.program.add_row(k);
             self.program.add_entry(row, self.program.slack(k, at.place), -1.0);
-            let limit = self.program.add_jacobian(row, k, p.limit.jacobian_pattern());
+            let limit = self.program.add_jacobian(row, k, p.limit.jacobian_pattern(), &self.moves);
             for _ in 0..p.vector.outputs() {
                 self.program.add_row(k);
             }
-            let vector = self.program.add_jacobian(row + 1, k, p.vector.jacobian_pattern());
+            let vector = self.program.add_jacobian(row + 1, k, p.vector.jacobian_pattern(), &self.moves);
             self.program.second_order.push(1 + p.vector.outputs());
             self.norm.push(NormRows { constraint, k, row, limit, vector });
         }
@@ -284,8 +283,7 @@ impl Assembly {
         let p = &mut self.program;
         let stage_pattern = ocp.stage.as_ref().map_or(&[][..], |c| c.hessian_pattern());
         for k in 0..p.steps {
-            let carried = |v: usize| self.carried.iter().find(|c| k > 0 && p.states + c.0 == v).map_or(v, |c| c.1);
-            let stage_pattern = stage_pattern.iter().map(|&(i, j)| (carried(i), carried(j)));
+            let stage_pattern = stage_pattern.iter().map(|&(i, j)| (self.moves.place(k, i), self.moves.place(k, j)));
             let stage_pattern: Vec<(usize, usize)> = stage_pattern.map(|(i, j)| (i.min(j), i.max(j))).collect();
             let slots = match &mut self.blocks {
                 Some(blocks) => {
@@ -398,8 +396,11 @@ impl StageProgram {
     }
 
     /// Slots of a Jacobian whose first row is `row`.
-    fn add_jacobian(&mut self, row: usize, k: usize, pattern: &[(usize, usize)]) -> Vec<usize> {
-        let entry = |&(i, j): &(usize, usize)| self.variable(k, j).map_or(NOWHERE, |v| self.add_entry(row + i, v, 0.0));
+    fn add_jacobian(&mut self, row: usize, k: usize, pattern: &[(usize, usize)], moves: &Moves) -> Vec<usize> {
+        // A constant input is a variable of its own here; the state that carries it on has other entries.
+        let place = |j: usize| if k == 0 { moves.place(k, j) } else { j };
+        let entry =
+            |&(i, j): &(usize, usize)| self.variable(k, place(j)).map_or(NOWHERE, |v| self.add_entry(row + i, v, 0.0));
         pattern.iter().map(entry).collect()
     }
 }

@@ -20,7 +20,7 @@
 //! The exact block also has the curvature of the path constraints, for the multipliers of their rows.
 
 use super::program::{NOWHERE, StageProgram};
-use crate::ocp::{CostFunction, Ocp};
+use crate::ocp::{CostFunction, Moves, Ocp};
 use crate::transcription::{ShootingLinearization, carry_block};
 use bracketry_numerics::dense::is_positive_definite;
 use std::ops::Range;
@@ -93,8 +93,8 @@ pub(super) struct StageBlocks {
     moved: Vec<f64>,
     /// What active bounds hold.
     pub(super) held: HeldBounds,
-    /// Constant inputs and the states that carry them on: after the first interval these inputs have no effect of their own.
-    carried: Vec<(usize, usize)>,
+    /// What stands at the place of another variable has no effect of its own.
+    moves: Moves,
     /// Curvature that was added in the last program, relative to the largest of all; 0 if there was none.
     shift: f64,
     size: Vec<f64>,
@@ -111,16 +111,16 @@ pub(super) fn block_places(w: usize) -> impl Iterator<Item = (usize, usize)> + C
 }
 
 impl StageBlocks {
-    /// Without blocks; `carried` are constant inputs and the states that carry them on.
-    pub(super) fn new(carried: Vec<(usize, usize)>) -> Self {
-        Self { carried, ..Self::default() }
+    /// Without blocks.
+    pub(super) fn new(moves: Moves) -> Self {
+        Self { moves, ..Self::default() }
     }
 
     /// Notes what the exact block of stage k has beyond the convexified one of the cost, weight and entries of which are given.
     pub(super) fn note(
         &mut self,
         k: usize,
-        (n, w): (usize, usize),
+        w: usize,
         lin: &ShootingLinearization,
         cost: Option<(&CostFunction, f64, &[f64])>,
     ) {
@@ -139,9 +139,7 @@ impl StageBlocks {
                     extra[j * w + i] -= h;
                 }
             }
-            if k > 0 {
-                carry_block(&self.carried, n, w, extra);
-            }
+            carry_block(self.moves.at(k), w, extra);
         }
     }
 
@@ -278,7 +276,7 @@ impl StageBlocks {
     fn blend(&mut self, program: &StageProgram, lin: &ShootingLinearization, share: f64, shift: f64) -> bool {
         let (n, m, steps) = (program.states, program.inputs, program.steps);
         let w = n + m;
-        let Self { extra, base, stages, moved, size, terminal, p, product, factor, held, carried, .. } = self;
+        let Self { extra, base, stages, moved, size, terminal, p, product, factor, held, moves, .. } = self;
         stages.clear();
         stages.extend(base.iter().zip(&*extra).enumerate().map(|(e, (b, x))| {
             let (i, j) = (e % (w * w) / w, e % w);
@@ -332,7 +330,7 @@ impl StageBlocks {
             }
             // The inputs' block, less what it has to keep.
             let floor = ROUNDING * largest_of(block);
-            let without_effect = |i: usize| k > 0 && carried.iter().any(|c| n + c.0 == i);
+            let without_effect = |i: usize| moves.at(k).iter().any(|(from, _)| *from == i);
             let inputs = |share: f64, to: &mut Vec<f64>| {
                 to.clear();
                 to.extend((n..w).flat_map(|i| (n..w).map(move |j| (i, j))).map(|(i, j)| {

@@ -4,7 +4,7 @@ use super::assembly::Assembly;
 use super::program::NOWHERE;
 use crate::ocp::{CostPoint, Ocp};
 use crate::trajectory::PlannedTrajectory;
-use crate::transcription::ShootingLinearization;
+use crate::transcription::{ShootingLinearization, carry_block};
 use std::ops::Range;
 
 /// Smallest curvature of any variable, in units of its size and of the objective: keeps the program strictly convex.
@@ -177,7 +177,7 @@ impl Assembly {
         let w = self.program.states + self.program.inputs;
         let Some(mut cost) = ocp.stage.take() else {
             if let Some(blocks) = &mut self.blocks {
-                blocks.note(k, (self.program.states, w), lin, None);
+                blocks.note(k, w, lin, None);
             }
             return;
         };
@@ -189,8 +189,7 @@ impl Assembly {
         let (x, u) = (trajectory.x(k), trajectory.u(k));
         cost.add_derivatives(CostPoint { x, u, t, r }, length, &mut self.gradient, &mut self.hessian);
         for (v, g) in self.gradient.iter().enumerate() {
-            let carried = self.carried.iter().find(|c| k > 0 && self.program.states + c.0 == v);
-            if let Some(variable) = self.program.variable(k, carried.map_or(v, |c| c.1)) {
+            if let Some(variable) = self.program.variable(k, self.moves.place(k, v)) {
                 self.program.gradient[variable] += g;
             }
         }
@@ -200,7 +199,7 @@ impl Assembly {
             }
         }
         if let Some(blocks) = &mut self.blocks {
-            blocks.note(k, (self.program.states, w), lin, Some((&cost, length, &self.hessian)));
+            blocks.note(k, w, lin, Some((&cost, length, &self.hessian)));
         }
         ocp.stage = Some(cost);
     }
@@ -274,6 +273,7 @@ impl Assembly {
                 let at = (ocp.sample(k0, k), ocp.time(k0, k));
                 let block = blocks.exact_block(k, self.program.states + self.program.inputs);
                 ocp.add_row_curvature(rows.constraint, at, (trajectory.x(k), trajectory.u(k)), weight, block);
+                carry_block(self.moves.at(k), self.program.states + self.program.inputs, block);
             }
         }
     }

@@ -233,6 +233,9 @@ impl Qp {
             s.du[k * m..(k + 1) * m].copy_from_slice(&z[u..u + m]);
             s.dx[(k + 1) * n..(k + 2) * n].copy_from_slice(&z[x..x + n]);
         }
+        for &(state, input) in self.assembly.moves.at(0) {
+            s.dx[state] = s.du[input - n];
+        }
         if status.is_usable() {
             s.multipliers.copy_from_slice(&self.stage.multipliers);
             if let Some(blocks) = &self.assembly.blocks {

@@ -4,7 +4,7 @@ use super::assembly::Assembly;
 use super::exact_hessian::block_places;
 use super::filling::LinearizationPoint;
 use super::program::{NOWHERE, StageProgram};
-use crate::ocp::{Ocp, Softness};
+use crate::ocp::{Moves, Ocp, Softness};
 use crate::trajectory::PlannedTrajectory;
 use crate::transcription::{ShootingLinearization, carry_block};
 
@@ -49,16 +49,16 @@ pub(crate) struct NonlinearProgram {
     sizes: Vec<f64>,
     /// Which of (x, u) are inputs that cannot move. They are no variables: their bounds have no interior.
     fixed: Vec<bool>,
-    /// Constant inputs and the states that take their place from the second interval on, as [`Ocp::carried`]: there these inputs are
-    /// no variables.
-    carried: Vec<(usize, usize)>,
+    /// What stands at the place of another variable is none itself.
+    moves: Moves,
 }
 
 impl NonlinearProgram {
     /// Lays the problem out; `None` where it has second-order cones (see [`Ocp::with_norm_rows`]), blocks of equal inputs, branches, or
     /// constant inputs that no state carries on.
     pub(crate) fn new(ocp: &Ocp, closure: &[bool], hard: f64) -> Option<Self> {
-        let (m, carried) = (ocp.inputs(), ocp.carried());
+        let (m, moves) = (ocp.inputs(), ocp.moves());
+        let carried = ocp.carried();
         let constant = |j: usize| carried.iter().any(|c| c.0 == j);
         let starts = ocp.block_starts(ocp.steps);
         let blocked = starts.iter().enumerate().any(|(i, start)| *start != i / m && !constant(i % m));
@@ -102,7 +102,7 @@ impl NonlinearProgram {
                 // Nothing can change it.
                 continue;
             }
-            if k > 0 && carried.iter().any(|c| matches!(entries.as_slice(), [(place, _)] if *place == p.states + c.0)) {
+            if k > 0 && matches!(entries.as_slice(), [(place, _)] if moves.place(k, *place) != *place) {
                 // A constant is bounded where it is a variable.
                 continue;
             }
@@ -117,8 +117,8 @@ impl NonlinearProgram {
                 _ => p.row_scale[number],
             };
             entries.retain(|&(place, _)| !fixed[place]);
-            for (place, _) in entries.iter_mut().filter(|_| k > 0) {
-                *place = carried.iter().find(|c| p.states + c.0 == *place).map_or(*place, |c| c.1);
+            for (place, _) in &mut entries {
+                *place = moves.place(k, *place);
             }
             rows.push(NonlinearRow { k, number, entries, slack, scale });
         }
@@ -137,7 +137,7 @@ impl NonlinearProgram {
             absolute.extend(row.and_then(|row| Some((row, slacks[rows[row].slack?].linear))));
         }
         let terminal = vec![0.0; p.states * p.states];
-        Some(Self { assembly, rows, slacks, absolute, terminal, sizes: ocp.sizes().to_vec(), fixed, carried })
+        Some(Self { assembly, rows, slacks, absolute, terminal, sizes: ocp.sizes().to_vec(), fixed, moves })
     }
 
     fn program(&self) -> &StageProgram {
@@ -152,13 +152,7 @@ impl NonlinearProgram {
 
     /// Whether variable v of the list (x, u) at grid point k is an input that cannot move, or a constant that a state stands for.
     pub(crate) fn is_fixed(&self, k: usize, v: usize) -> bool {
-        let states = self.program().states;
-        self.fixed[v] || k > 0 && self.carried.iter().any(|c| states + c.0 == v)
-    }
-
-    /// Constant inputs and the states that take their place from the second interval on.
-    pub(crate) fn carried(&self) -> &[(usize, usize)] {
-        &self.carried
+        self.fixed[v] || self.moves.place(k, v) != v
     }
 
     /// Number of rows of the stage program.
@@ -253,9 +247,7 @@ impl NonlinearProgram {
                 to[j * w + i] += h;
             }
         }
-        if k > 0 {
-            carry_block(&self.carried, p.states, w, to);
-        }
+        carry_block(self.moves.at(k), w, to);
         for v in (0..w).filter(|v| self.is_fixed(k, *v)) {
             to[v * w..(v + 1) * w].fill(0.0);
             to.iter_mut().skip(v).step_by(w).for_each(|h| *h = 0.0);

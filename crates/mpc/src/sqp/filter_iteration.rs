@@ -397,6 +397,7 @@ impl Sqp {
         let mut trial = self.spare.copy(z);
         trial.add(fraction, &self.qp.solution.dx, &self.qp.solution.du);
         trial.clamp_inputs(&self.problem.ocp.input_bounds);
+        self.problem.ocp.start_as_decided(&mut trial);
         let merit = self.problem.merit(&trial, self.settings.qp.hard_weight);
         (trial, merit)
     }

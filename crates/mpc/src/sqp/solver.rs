@@ -220,6 +220,7 @@ impl Sqp {
         let mut z = self.spare.copy(guess);
         z.x_mut(0).copy_from_slice(x0);
         z.clamp_inputs(&self.problem.ocp.input_bounds);
+        self.problem.ocp.start_as_decided(&mut z);
         let mut log = self.spare.log();
         let mut widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
         let mut wide_steps = 0;

@@ -4,7 +4,7 @@ use crate::dynamics::Dynamics;
 use crate::integrator::{
     Collocation, Differentiated, ExplicitRungeKutta, Integrator, Interval, MapIteration, OneStepMethod, Stages,
 };
-use crate::ocp::Ocp;
+use crate::ocp::{Moves, Ocp};
 use crate::trajectory::PlannedTrajectory;
 use bracketry_numerics::collocation::Tableau;
 
@@ -61,8 +61,7 @@ pub(crate) struct Shooter {
     lambda: Vec<f64>,
     /// Inputs that are the last states at the end of an interval, in this order.
     previous: Vec<usize>,
-    /// Constant inputs and the states that carry them on.
-    carried: Vec<(usize, usize)>,
+    moves: Moves,
 }
 
 impl Shooter {
@@ -83,10 +82,11 @@ impl Shooter {
         for (i, p) in ocp.previous_inputs.iter().enumerate() {
             closure[(n + i) * w + n + extra + p.input] = true;
         }
-        shooter.carried = ocp.carried();
-        for &(j, state) in &shooter.carried {
+        shooter.moves = ocp.moves();
+        // Of what stands at one place at some grid point, an entry is possible at all of them.
+        for &(from, to) in [0, 1].iter().flat_map(|k| shooter.moves.at(*k)) {
             for i in 0..n + extra {
-                closure[i * w + state] |= closure[i * w + n + extra + j];
+                closure[i * w + to] |= closure[i * w + from];
             }
         }
         shooter.closure = closure;
@@ -136,7 +136,7 @@ impl Shooter {
             hessian: Vec::new(),
             lambda: Vec::new(),
             previous: Vec::new(),
-            carried: Vec::new(),
+            moves: Moves::default(),
         }
     }
 
@@ -200,9 +200,7 @@ impl Shooter {
             end.copy_from_slice(trajectory.x(k));
             let jacobian = &mut out.jacobian[k * n * w..(k + 1) * n * w];
             self.advance_with_sensitivity(dynamics, interval, end, jacobian);
-            if k > 0 {
-                carry_columns(&self.carried, n, w, jacobian);
-            }
+            carry_columns(self.moves.at(k), w, jacobian);
         }
     }
 
@@ -265,9 +263,7 @@ impl Shooter {
             let interval = grid.enter(dynamics, k, trajectory.u(k));
             lambda.iter_mut().zip(&multipliers[k * n..(k + 1) * n]).for_each(|(l, y)| *l = -y);
             self.curvature(dynamics, interval, trajectory.x(k), &mut lambda, field, block);
-            if k > 0 {
-                carry_block(&self.carried, n, w, block);
-            }
+            carry_block(self.moves.at(k), w, block);
         }
         self.lambda = lambda;
     }
@@ -297,10 +293,8 @@ impl Shooter {
             previous.for_each(|(v, &j)| *v = interval.u[j]);
             let jacobian = &mut out.jacobian[k * n * w..(k + 1) * n * w];
             spread_flow(&self.jacobian, (self.n, self.m), &self.previous, jacobian);
-            if k > 0 {
-                carry_columns(&self.carried, n, w, jacobian);
-                carry_block(&self.carried, n, w, block);
-            }
+            carry_columns(self.moves.at(k), w, jacobian);
+            carry_block(self.moves.at(k), w, block);
         }
         self.lambda = lambda;
     }
@@ -333,21 +327,21 @@ impl Shooter {
     }
 }
 
-/// Moves the columns of constant inputs, of `width` columns after `n` states, to the states that carry them on.
-fn carry_columns(carried: &[(usize, usize)], n: usize, width: usize, matrix: &mut [f64]) {
-    for &(j, state) in carried {
+/// Adds columns, of `width` columns, to those at whose place they stand, see [`Moves`].
+fn carry_columns(moves: &[(usize, usize)], width: usize, matrix: &mut [f64]) {
+    for &(from, to) in moves {
         for row in matrix.chunks_exact_mut(width) {
-            row[state] += std::mem::take(&mut row[n + j]);
+            row[to] += std::mem::take(&mut row[from]);
         }
     }
 }
 
 /// The same for rows and columns of a symmetric block of `width` variables.
-pub(crate) fn carry_block(carried: &[(usize, usize)], n: usize, width: usize, block: &mut [f64]) {
-    carry_columns(carried, n, width, block);
-    for &(j, state) in carried {
+pub(crate) fn carry_block(moves: &[(usize, usize)], width: usize, block: &mut [f64]) {
+    carry_columns(moves, width, block);
+    for &(from, to) in moves {
         for c in 0..width {
-            block[state * width + c] += std::mem::take(&mut block[(n + j) * width + c]);
+            block[to * width + c] += std::mem::take(&mut block[from * width + c]);
         }
     }
 }

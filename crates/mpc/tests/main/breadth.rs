@@ -77,7 +77,7 @@ fn the_examples_of_the_guide_do_what_they_say() {
     let (problems, models): (Vec<&str>, Vec<&str>) =
         blocks.filter(|b| b.contains("states =") || b.contains("model =")).partition(|b| b.contains("model ="));
     let model = |name: &str| {
-        let names = ["pendulum.toml", "mass.toml", "stock.toml"];
+        let names = ["pendulum.toml", "mass.toml", "van_der_pol.toml", "stock.toml"];
         models[names.iter().position(|known| *known == name).unwrap()]
     };
     let accepted = Accepted { discrete: true, ..Accepted::default() };
@@ -88,7 +88,7 @@ fn the_examples_of_the_guide_do_what_they_say() {
             control(&ControlProblem::parse("problem.toml", text, read).unwrap()).unwrap().run
         })
         .collect();
-    assert_eq!(runs.len(), 5, "references, rates, intervals, end time, discrete time");
+    assert_eq!(runs.len(), 6, "references, rates, intervals, end time, periodic motion, discrete time");
     assert!(runs.iter().all(|r| r.report.succeeded), "{:?}", runs.iter().map(|r| &r.report).collect::<Vec<_>>());
     // The pendulum follows angle and rate of the reference.
     let tracking = &runs[0].closed_loop;
@@ -98,4 +98,5 @@ fn the_examples_of_the_guide_do_what_they_say() {
     let rates = runs[1].closed_loop.u.windows(2).map(|u| (u[1][0] - u[0][0]).abs() / 0.04);
     assert!(rates.fold(0.0, f64::max) < 60.01);
     close(runs[3].report.found.as_ref().unwrap().end_time.unwrap(), 2.0, 1e-4);
+    close(runs[4].report.found.as_ref().unwrap().end_time.unwrap(), 6.6634, 1e-5);
 }

@@ -18,6 +18,7 @@ mod exact_hessian;
 mod faults;
 mod finite_inputs;
 mod fixed_inputs;
+mod free_starts;
 mod free_values;
 mod friction;
 mod globalisation;

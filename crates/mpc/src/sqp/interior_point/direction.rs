@@ -213,8 +213,11 @@ impl System {
             }
         }
         // A constant moves alike over the whole horizon.
-        for &(j, _) in of.program.carried() {
-            (1..steps).for_each(|k| d.du[k * m + j] = d.du[j]);
+        for j in &of.problem.ocp.constant_inputs {
+            (1..steps).for_each(|k| d.du[k * m + j] = d.du[*j]);
+        }
+        for &(state, j) in &of.problem.ocp.free_starts {
+            d.dx[state] = d.du[j];
         }
         for (i, row) in rows.iter().enumerate() {
             let step = |place: usize| if place < n { d.dx[row.k * n + place] } else { d.du[row.k * m + place - n] };

@@ -171,7 +171,8 @@ impl<'a> InteriorPoint<'a> {
             let push = PUSH * of.program.size(n + j).min(high - low);
             (0..steps).for_each(|k| z.u_mut(k)[j] = z.u(k)[j].clamp(low + push, high - push));
         }
-        for &(j, state) in of.program.carried() {
+        of.problem.ocp.start_as_decided(&mut z);
+        for (j, state) in of.problem.ocp.carried() {
             let value = z.u(0)[j];
             for k in 0..steps {
                 z.u_mut(k)[j] = value;
@@ -389,6 +390,7 @@ impl<'a> InteriorPoint<'a> {
         let multipliers = self.at.y.iter().map(|y| y / factor).collect();
         let mut trajectory = self.at.z;
         trajectory.clamp_inputs(&self.of.problem.ocp.input_bounds);
+        self.of.problem.ocp.start_as_decided(&mut trajectory);
         InteriorSolution { trajectory, multipliers, row_multipliers, steps, error }
     }
 }
