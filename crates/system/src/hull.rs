@@ -1,6 +1,6 @@
 //! Whether a value lies inside the convex hull of the values of a function.
 
-use bracketry_symbolic::{Expr, Symbol, Tape};
+use bracketry_symbolic::{Expr, SplitMix64, Symbol, Tape};
 
 use crate::system::System;
 
@@ -35,11 +35,7 @@ pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Sym
         out.iter().all(|v| v.is_finite()).then_some(out)
     };
     let Some(center) = value(point.at) else { return false };
-    let mut state = 0x9e37_79b9_7f4a_7c15u64;
-    let mut uniform = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
+    let mut random = SplitMix64::new(1);
     let mut points = Vec::new();
     for distance in DISTANCES {
         for k in 0..2 * SAMPLES {
@@ -48,7 +44,7 @@ pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Sym
                 .at
                 .iter()
                 .zip(point.limits)
-                .map(|(&a, &[least, greatest])| (scale * a + distance * uniform()).clamp(least, greatest));
+                .map(|(&a, &[least, greatest])| (scale * a + distance * random.symmetric()).clamp(least, greatest));
             let u: Vec<f64> = sampled.collect();
             if let Some(v) = value(&u) {
                 points.push(v.iter().zip(&center).map(|(a, b)| a - b).collect::<Vec<f64>>());

@@ -15,7 +15,7 @@
 //! Parameters have values that are fitted, swept, or not yet known, and the kind does not change with them: a quotient is dry
 //! friction if it is so for any values within their ranges. A parameter without a range may have either sign.
 
-use bracketry_symbolic::{Expr, Rational, Symbol, Tape};
+use bracketry_symbolic::{Expr, Rational, SplitMix64, Symbol, Tape};
 
 use crate::system::System;
 use crate::unit_vector::Root;
@@ -74,7 +74,7 @@ impl System {
     /// `roots`.
     pub(crate) fn quotient_kind(&mut self, rows: &[Expr], roots: &[Root], root: usize) -> QuotientKind {
         let Some(mut probe) = Probe::new(self, rows, roots, root) else { return QuotientKind::Singular };
-        let mut random = Random(0x9E37_79B9_7F4A_7C15);
+        let mut random = SplitMix64::new(0x9E37_79B9_7F4A_7C15);
         let others: Vec<Symbol> = roots.iter().flat_map(|r| &r.directions).copied().collect();
         let nominal = self.nominal(&probe.arguments, &others);
         let mut kinds = probe.trials(&nominal, &mut random).into_iter().map(|v| probe.kind(&v, &mut random));
@@ -155,8 +155,8 @@ impl Domain {
         [self.low, self.high].into_iter().filter(move |&end| end != value && end != 0.0)
     }
 
-    fn draw(&self, random: &mut Random) -> f64 {
-        self.low + (self.high - self.low) * random.next()
+    fn draw(&self, random: &mut SplitMix64) -> f64 {
+        self.low + (self.high - self.low) * random.uniform()
     }
 }
 
@@ -195,7 +195,7 @@ impl Probe {
 
     /// Between which values the arguments are taken each time that the quotient is judged: constants are single numbers, their own
     /// first; then each factor at the ends of its range, and all of them within.
-    fn trials(&self, nominal: &[Domain], random: &mut Random) -> Vec<Vec<Domain>> {
+    fn trials(&self, nominal: &[Domain], random: &mut SplitMix64) -> Vec<Vec<Domain>> {
         let at = |d: &Domain, value: f64| Domain { low: value, high: value, ..*d };
         let own: Vec<Domain> = nominal.iter().map(|d| d.constant.map_or(*d, |value| at(d, value))).collect();
         let free: Vec<usize> = self.factors.iter().copied().filter(|&i| nominal[i].constant.is_some()).collect();
@@ -215,11 +215,11 @@ impl Probe {
     }
 
     /// The kind with arguments of these values. Friction resists wherever the system is.
-    fn kind(&mut self, domains: &[Domain], random: &mut Random) -> QuotientKind {
+    fn kind(&mut self, domains: &[Domain], random: &mut SplitMix64) -> QuotientKind {
         let (mut met, mut against, mut lasting, mut continuous) = (0, true, false, true);
         for _ in 0..SAMPLES {
             let mut x: Vec<f64> = domains.iter().map(|d| d.draw(random)).collect();
-            let mut direction: Vec<f64> = self.directions.iter().map(|_| 2.0 * random.next() - 1.0).collect();
+            let mut direction: Vec<f64> = self.directions.iter().map(|_| random.symmetric()).collect();
             let size = direction.iter().map(|d| d * d).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
             for d in &mut direction {
                 *d /= size;
@@ -291,18 +291,5 @@ impl Probe {
         // An equation that has no value here says nothing.
         let jump = change.iter().filter(|c| c.is_finite()).fold(0.0, |m: f64, c| m.max(c.abs()));
         power.is_finite().then_some(Act { jump, power })
-    }
-}
-
-/// Numbers between 0 and 1, the same in every run (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 }

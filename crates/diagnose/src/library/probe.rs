@@ -1,7 +1,7 @@
 //! Points at which expressions are compared: in general position, or those that the data pass through.
 
 use bracketry_numerics::statistics::rms;
-use bracketry_symbolic::{Expr, Symbol};
+use bracketry_symbolic::{Expr, SplitMix64, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
@@ -17,14 +17,6 @@ pub(crate) struct Probe {
     len: usize,
 }
 
-/// A number in [0, 1) that looks random (SplitMix64: Steele, Lea, and Flood 2014).
-fn scattered(index: u64) -> f64 {
-    let mut z = (index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-}
-
 impl Probe {
     /// A few points in general position, the same for each model.
     pub(crate) fn fixed(system: &System) -> Self {
@@ -34,11 +26,8 @@ impl Probe {
         }
         names.push(TIME_INPUT.to_owned());
         let len = 32;
-        let columns = names
-            .into_iter()
-            .enumerate()
-            .map(|(i, n)| (n, (0..len).map(|k| 3.0 * scattered((i * len + k) as u64) - 1.5).collect()))
-            .collect();
+        let mut random = SplitMix64::new(0);
+        let columns = names.into_iter().map(|n| (n, (0..len).map(|_| 1.5 * random.symmetric()).collect())).collect();
         Probe { columns, len }
     }
 

@@ -1,6 +1,6 @@
 //! Which modes, and which crossings from one mode to another, are seen to occur.
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, Tape};
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, SplitMix64, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::modes::ModeFields;
@@ -75,11 +75,11 @@ impl Occurrence {
             tape.eval(x, &mut work, &mut out);
             out
         };
-        let mut random = Random(0x6272_6163_6b65_7411);
+        let mut random = SplitMix64::new(0x6272_6163_6b65_7411);
         let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
         for k in 0..count {
             let size = SIZES[k / 2 % SIZES.len()];
-            let x: Vec<f64> = (0..n).map(|_| size * random.next()).collect();
+            let x: Vec<f64> = (0..n).map(|_| size * random.symmetric()).collect();
             let at = values(&x);
             let clear = CLEAR * size;
             for &m in members {
@@ -153,16 +153,4 @@ fn contradicts(pool: &mut Pool, mode: &ModeFields, bindings: &Bindings) -> bool 
         }
     }
     false
-}
-
-/// Numbers between −1 and 1 (xorshift).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }

@@ -4,7 +4,7 @@
 //! their relations. Each further coefficient follows from the ones before: products by convolution, quotients from
 //! a·(1/a) = 1, and a function b = f(a) from b' = f'(a) a' (Knuth 1998, section 4.7).
 
-use bracketry_symbolic::Residue;
+use bracketry_symbolic::{Residue, SplitMix64};
 
 use crate::observability::series::{Reg, SeriesProgram, Step};
 use crate::undecided::Undecided;
@@ -20,7 +20,7 @@ pub(crate) struct Expansion<'a, const C: u64> {
     /// Derivatives by the variables: by step, all of order 0, then all of order 1 …
     slopes: Vec<Vec<Residue<C>>>,
     orders: usize,
-    input: u64,
+    input: SplitMix64,
     /// Field operations so far.
     pub(crate) products: f64,
 }
@@ -34,14 +34,14 @@ impl<'a, const C: u64> Expansion<'a, C> {
         let d = program.directions;
         let steps = program.steps.len();
         let (values, slopes) = (vec![Vec::new(); steps], vec![Vec::new(); steps]);
-        let mut e = Expansion { program, values, slopes, orders: 1, input: seed, products: 0.0 };
+        let mut e = Expansion { program, values, slopes, orders: 1, input: SplitMix64::new(seed), products: 0.0 };
         for (r, step) in program.steps.iter().enumerate() {
             let value = match step {
                 Step::Constant { sample }
                 | Step::Parameter { sample, .. }
                 | Step::State { sample, .. }
                 | Step::Chain { sample, .. } => sampled[*sample],
-                Step::Input | Step::Unknown { .. } => e.random(),
+                Step::Input | Step::Unknown { .. } => Residue::new(e.input.next_u64()),
                 Step::Add(a, b) => e.values[*a][0] + e.values[*b][0],
                 Step::Mul(a, b) => e.values[*a][0] * e.values[*b][0],
                 Step::Inverse(a) => e.values[*a][0].inv().ok_or(bracketry_symbolic::Undecided::DivisionByZero)?,
@@ -75,15 +75,6 @@ impl<'a, const C: u64> Expansion<'a, C> {
             e.slopes[r] = slope;
         }
         Ok(e)
-    }
-
-    /// The same uniform input for the same seed (SplitMix64: Steele, Lea, and Flood 2014).
-    fn random(&mut self) -> Residue<C> {
-        self.input = self.input.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.input;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        Residue::new(z ^ (z >> 31))
     }
 
     /// The derivatives by the variables of the latest coefficient of each output.
@@ -131,13 +122,13 @@ impl<'a, const C: u64> Expansion<'a, C> {
         let mut slope = vec![Residue::ZERO; d];
         let value = match &self.program.steps[r] {
             Step::Constant { .. } | Step::Parameter { .. } => Residue::ZERO,
-            Step::Input => self.random(),
+            Step::Input => Residue::new(self.input.next_u64()),
             Step::Unknown { first } => {
                 // Coefficients beyond the last variable are not asked for.
                 if let Some(s) = slope.get_mut(*first + k) {
                     *s = Residue::ONE;
                 }
-                self.random()
+                Residue::new(self.input.next_u64())
             }
             Step::State { state, .. } => {
                 // k x_k is coefficient k − 1 of the rate.

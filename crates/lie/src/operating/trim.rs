@@ -1,6 +1,6 @@
 //! Equilibria and operating points.
 
-use bracketry_symbolic::{Expr, Function, Pool, Rational, Symbol, Tape};
+use bracketry_symbolic::{Expr, Function, Pool, Rational, SplitMix64, Symbol, Tape};
 use bracketry_system::{Point, System};
 use nalgebra::DVector;
 use serde::Serialize;
@@ -319,14 +319,10 @@ impl<'a> Search<'a> {
     fn starts(&self, options: &TrimOptions) -> Vec<DVector<f64>> {
         let first = self.values_of_free(&self.start);
         let mut starts = vec![first.clone(), DVector::zeros(first.len())];
-        let mut state = options.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut random = SplitMix64::new(options.seed);
         for k in 0..options.starts {
             let reach = [0.3, 1.0, 3.0, 10.0][k % 4];
-            starts.push(first.map(|v| v + reach * (1.0 + v.abs()) * uniform()));
+            starts.push(first.map(|v| v + reach * (1.0 + v.abs()) * random.symmetric()));
         }
         starts
     }

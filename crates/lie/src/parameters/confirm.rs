@@ -1,6 +1,6 @@
 //! Exact points on a set of parameters, and where equations have no value.
 
-use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, SplitMix64, Symbol};
 use rustc_hash::FxHashMap;
 use serde::{Serialize, Serializer};
 
@@ -9,7 +9,7 @@ use crate::algebra::rational::polynomial::Budget;
 use crate::evidence::Evidence;
 use crate::parameters::aspect::{Aspect, AspectValue, Subject};
 use crate::parameters::factor::factors;
-use crate::parameters::state_values::{Random, StateValues};
+use crate::parameters::state_values::StateValues;
 
 /// Values of the parameters by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -42,7 +42,7 @@ pub(crate) fn point_with(
     evidence: &mut Evidence,
 ) -> Confirmed {
     for seed in 1..=TRIES {
-        let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut random = SplitMix64::new(seed);
         let mut values: FxHashMap<Expr, Expr> = FxHashMap::default();
         for &s in symbols.iter().filter(|s| !solved.iter().any(|x| x.0 == **s)) {
             let (x, n) = (pool.sym(s), random.integer(1, 29));

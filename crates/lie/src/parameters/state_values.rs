@@ -1,6 +1,6 @@
 //! Rational values for states and for the functions of them, at which a matrix becomes one of parameters alone.
 
-use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, SplitMix64, Symbol};
 use rustc_hash::FxHashMap;
 
 /// Draws values that keep all algebraic relations between states, sines, cosines, and exponentials of linear
@@ -74,7 +74,7 @@ impl StateValues {
 
     /// Numbers in place of states and functions of them; `seed` selects them.
     pub(crate) fn draw(&self, pool: &mut Pool, seed: u64) -> FxHashMap<Expr, Expr> {
-        let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        let mut random = SplitMix64::new(seed);
         let mut map = FxHashMap::default();
         let mut circles = Vec::new();
         let mut powers = Vec::new();
@@ -151,17 +151,4 @@ fn lcm(a: i64, b: i64) -> i64 {
         (x, y) = (y, x % y);
     }
     a / x * b
-}
-
-/// Small reproducible integers (xorshift: Marsaglia 2003).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn integer(&mut self, low: i64, high: i64) -> i64 {
-        for (left, right) in [(13, 7), (17, 5)] {
-            self.0 ^= self.0 << left;
-            self.0 ^= self.0 >> right;
-        }
-        low + (self.0 >> 20).rem_euclid((high - low + 1) as u64) as i64
-    }
 }

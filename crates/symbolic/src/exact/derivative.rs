@@ -2,13 +2,14 @@
 
 use rustc_hash::FxHashMap;
 
-use super::field::{Random, Residue};
+use super::field::Residue;
 use super::kernels::{AngleKind, Power};
 use super::lower::inverse_modulo;
 use super::lowering::Lowering;
 use super::program::{MAX_POWER, Reg, Step, turned};
 use crate::func::Func;
 use crate::pool::Node;
+use crate::random::SplitMix64;
 
 /// How the value of a generator changes with the registers that it is a function of.
 #[derive(Clone, Copy)]
@@ -37,7 +38,7 @@ impl<const C: u64> Lowering<'_, C> {
 
     /// At the trial point of number `i`; `None` where a value or a rule is missing.
     fn derivatives_at(&self, rules: &FxHashMap<Reg, Rule>, registers: &[Reg], i: usize) -> Vec<Option<Residue<C>>> {
-        let mut rng = Random::new(i as u64 + 1);
+        let mut rng = SplitMix64::new(i as u64 + 1);
         let last = registers.iter().copied().max().map_or(0, |r| r + 1);
         let mut known: Vec<Option<Residue<C>>> = Vec::with_capacity(last);
         for r in 0..last {

@@ -1,5 +1,6 @@
 //! Arithmetic modulo a prime just below 2^61, and rational reconstruction.
 
+use crate::random::SplitMix64;
 use std::fmt;
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -237,27 +238,11 @@ impl<const C: u64> fmt::Debug for Residue<C> {
     }
 }
 
-/// Deterministic random numbers (`SplitMix64`: Steele, Lea, and Flood 2014).
-#[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
-
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
+impl SplitMix64 {
     /// A uniformly distributed residue other than 0.
     pub(crate) fn residue<const C: u64>(&mut self) -> Residue<C> {
         loop {
-            let v = self.next() >> 3;
+            let v = self.next_u64() >> 3;
             if v > 0 && v < Residue::<C>::MODULUS {
                 return Residue(v);
             }

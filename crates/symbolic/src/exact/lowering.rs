@@ -8,10 +8,11 @@ use rustc_hash::FxHashMap;
 use super::Undecided;
 use super::character::Character;
 use super::combinations::LinearRelations;
-use super::field::{Random, Residue};
+use super::field::Residue;
 use super::kernels::{Circle, ExpLog, Roots};
 use super::program::{Generator, Program, Reg, Step, draw};
 use crate::pool::{Expr, Pool};
+use crate::random::SplitMix64;
 
 /// Fractions in linear relations have numerators and denominators up to this.
 pub(super) const FRACTION_BOUND: u64 = 1 << 20;
@@ -59,7 +60,7 @@ pub(super) struct Lowering<'a, const C: u64> {
     pub(super) exact: FxHashMap<Expr, RBig>,
     pub(super) program: Program<C>,
     pub(super) registers: FxHashMap<Expr, Reg>,
-    rng: Random,
+    rng: SplitMix64,
     points: Vec<Vec<Residue<C>>>,
     columns: Vec<Option<Column<C>>>,
     /// Registers that depend on the root of a square, whose sign is open.
@@ -89,7 +90,7 @@ impl<'a, const C: u64> Lowering<'a, C> {
             exact,
             program: Program::default(),
             registers: FxHashMap::default(),
-            rng: Random::new(TRIAL_SEED),
+            rng: SplitMix64::new(TRIAL_SEED),
             points: vec![Vec::new(); trials],
             columns: Vec::new(),
             open: Vec::new(),

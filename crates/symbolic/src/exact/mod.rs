@@ -41,11 +41,11 @@ pub use self::field_element::{FieldElement, OrderedField};
 pub use self::real::Real;
 pub use self::regular::Irregular;
 
-use self::field::Random;
 use self::lower::{Lowered, lower};
 use self::lowering::Stop;
 use self::program::Fault;
 use crate::pool::{Expr, Pool, Symbol};
+use crate::random::SplitMix64;
 use crate::stop_flag::Reached;
 
 /// Exact values for some symbols; all others are generic.
@@ -389,7 +389,7 @@ impl Pool {
             return Err(Undecided::Sign.into());
         }
         let points = points.unwrap_or(if ambiguous > 0 { POINTS_PER_SIGN << ambiguous } else { POINTS });
-        let mut rng = Random::new(seed);
+        let mut rng = SplitMix64::new(seed);
         let mut registers = Vec::with_capacity(program.steps.len());
         let (mut values, mut generated) = (Vec::with_capacity(points), Vec::new());
         let mut tries = points.max(1) * (TRIES << conditions.min(12));

@@ -1,6 +1,7 @@
 //! Straight-line programs over a prime field, with a bound of the degrees they compute.
 
-use super::field::{Random, Residue};
+use super::field::Residue;
+use crate::random::SplitMix64;
 
 /// Cosine and sine in the field.
 pub(super) type Point<const C: u64> = (Residue<C>, Residue<C>);
@@ -90,8 +91,8 @@ impl<const C: u64> Program<C> {
         first
     }
 
-    /// Random values of all generators but of those that have theirs.
-    pub(super) fn point(&self, start: &[Residue<C>], rng: &mut Random) -> Vec<Residue<C>> {
+    /// SplitMix64 values of all generators but of those that have theirs.
+    pub(super) fn point(&self, start: &[Residue<C>], rng: &mut SplitMix64) -> Vec<Residue<C>> {
         let mut p = Vec::with_capacity(self.slots);
         p.extend_from_slice(&start[..start.len().min(self.slots)]);
         let mut slots = 0;
@@ -235,10 +236,10 @@ pub(super) fn turned<const C: u64>(mut p: Point<C>, mut k: u64) -> Point<C> {
 }
 
 /// Appends random values for one generator.
-pub(super) fn draw<const C: u64>(g: Generator, rng: &mut Random, point: &mut Vec<Residue<C>>) {
+pub(super) fn draw<const C: u64>(g: Generator, rng: &mut SplitMix64, point: &mut Vec<Residue<C>>) {
     match g {
         Generator::Free => point.push(rng.residue()),
-        Generator::Sign => point.push(if rng.next() >> 63 == 0 { Residue::ONE } else { -Residue::ONE }),
+        Generator::Sign => point.push(if rng.next_u64() >> 63 == 0 { Residue::ONE } else { -Residue::ONE }),
         Generator::Circle => loop {
             let t: Residue<C> = rng.residue();
             // −1 is no square, so 1 + t² is never 0.

@@ -14,6 +14,7 @@ mod latex;
 mod notation;
 mod point;
 mod primes;
+mod random;
 mod reals;
 mod relations;
 mod residues;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Pool, Rational, SplitMix64, Symbol};
 
 use crate::residues::{Echelon, Fp};
 
@@ -246,11 +246,8 @@ fn monomials(variables: usize, degree: u32) -> Vec<Vec<u32>> {
     all
 }
 
-/// Another value of a parameter, by a fixed rule (splitmix64).
+/// Another value of a parameter, by a fixed rule.
 pub(super) fn scramble(a: u64, b: u64) -> u64 {
-    let mut z = a.wrapping_add(b.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     // Large enough to be generic; a few doublings stay below the prime.
-    ((z ^ (z >> 31)) >> 24) | 1
+    (SplitMix64::at(a, b) >> 24) | 1
 }

@@ -5,7 +5,7 @@
 //! of degree two solve linear equations at points modulo a prime; what is found is decided again as a function that is
 //! asked for, modulo two primes.
 
-use bracketry_symbolic::{Echelon, Expr, Pool, Rational, Residue, Symbol};
+use bracketry_symbolic::{Echelon, Expr, Pool, Rational, Residue, SplitMix64, Symbol};
 
 use crate::observability::identifiability::local_identifiability::{Question, SEED, point};
 use crate::undecided::Undecided;
@@ -51,12 +51,9 @@ impl Search<'_> {
         let q = self.question;
         let mut bindings = q.special.clone();
         let mut values = Vec::new();
-        let mut state = number.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        let mut random = SplitMix64::new(number);
         for &s in self.parameters {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            let value = 2 + (state >> 33) % 99_991;
+            let value = random.integer(2, 99_992) as u64;
             bindings.bind(s, Rational::from(value));
             values.push(Residue::new(value));
         }
