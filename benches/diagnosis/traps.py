@@ -104,6 +104,7 @@ FAULTS: dict[str, set[str]] = {
     # The parameter has another value for most of the time.
     "slow_change": {"parameter_error"},
     "hysteresis": {"hysteresis"},
+    "outliers_of_column": {"nothing_found"},
 }
 #: Faults that have no name of their own: an abstention is right, too.
 NAMELESS = {"slow_change"}
@@ -284,6 +285,10 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
         for _ in range(len(out) // 100):
             c = rng.integers(2, rows.shape[1])
             rows[rng.integers(0, len(out)), c] += rng.choice([-1, 1]) * rng.uniform(5, 15) * spread[plant.measured[c - 2]]
+    if fault == "outliers_of_column":
+        c, far = rng.integers(2, rows.shape[1]), rng.uniform(0.3, 3)
+        for k in rng.choice(len(out), len(out) // 100, replace=False):
+            rows[k, c] += rng.choice([-1, 1]) * rng.uniform(1, 2) * far * spread[plant.measured[c - 2]]
     if fault == "lost_rows":
         keep = np.ones(len(rows), bool)
         for _ in range(4):

@@ -62,9 +62,10 @@ pub use report::{
 };
 pub use settings::{
     AlarmSettings, ColumnSettings, ConsistencySettings, DecimationSettings, DiagnosisSettings, EquationSettings,
-    GainSettings, JumpSettings, LibrarySettings, NamingSettings, NoiseSettings, PeriodSettings, PlaceSettings,
-    PredictionSettings, PriorSettings, ReadSettings, RepairSettings, RivalSettings, SearchSettings, SelectionSettings,
-    SignalSettings, SolverSettings, StudySettings, TimeScaleSettings, VerdictSettings, WindowSettings,
+    GainSettings, JumpSettings, LibrarySettings, NamingSettings, NoiseSettings, OutlierSettings, PeriodSettings,
+    PlaceSettings, PredictionSettings, PriorSettings, ReadSettings, RepairSettings, RivalSettings, SearchSettings,
+    SelectionSettings, SignalSettings, SolverSettings, StudySettings, TimeScaleSettings, VerdictSettings,
+    WindowSettings,
 };
 pub use signal::{Measured, Quantity, Signal};
 pub use study::{

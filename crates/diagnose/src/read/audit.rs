@@ -27,6 +27,9 @@ pub struct ColumnAudit {
     pub max: f64,
     /// Number of lost values.
     pub lost: usize,
+    /// Measured columns: number of values that stand alone, far from their neighbors, whether they are left out or not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outliers: Option<usize>,
     /// Measured columns: standard deviation of the noise, in the column's unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<f64>,
@@ -56,6 +59,7 @@ impl ColumnAudit {
             min,
             max,
             lost: values.iter().filter(|v| v.is_nan()).count(),
+            outliers: None,
             noise: None,
             noise_correlation: None,
             resolution: None,

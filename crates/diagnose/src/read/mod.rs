@@ -9,6 +9,7 @@ mod noise;
 mod npy;
 mod npz;
 mod origin;
+mod outliers;
 mod record;
 mod repair;
 mod roles;

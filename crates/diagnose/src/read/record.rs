@@ -13,6 +13,7 @@ use super::driving::Driving;
 use super::noise::estimate_noise;
 use super::npz;
 use super::origin::Origin;
+use super::outliers::drop_outliers;
 use super::repair::repair;
 use super::roles::{Role, Roles, role};
 use super::settings::RecordSettings;
@@ -125,7 +126,7 @@ fn build(
             return Err(origin.whole(message, "inputs must be given at all times").into());
         }
     }
-    let (repaired, cuts) = repair(&mut roles, &settings.limits.repair);
+    let (mut repaired, cuts) = repair(&mut roles, &settings.limits.repair);
     if roles.times.len() < 2 {
         let message = "fewer than two rows have all inputs";
         return Err(origin.whole(message, "record the inputs and the measurements in the same rows").into());
@@ -134,6 +135,7 @@ fn build(
     for (column, values) in roles.driving() {
         check_size(origin, &column, values, &roles.rows)?;
     }
+    let driving: Vec<Vec<f64>> = roles.driving().map(|(_, values)| values.clone()).collect();
     let mut measured = Vec::new();
     let mut audits = Vec::new();
     for (name, quantity, mut values) in std::mem::take(&mut roles.measured) {
@@ -150,8 +152,15 @@ fn build(
             return Err(origin.whole(message, "remove the column, or the part of the run where it is missing").into());
         }
         check_size(origin, &name, &values, &roles.rows)?;
-        let noise = estimate_noise(&roles.times, &values, &settings.limits.noise);
-        audits.push(ColumnAudit::measured(&name, &values, noise, &settings.limits));
+        let mut noise = estimate_noise(&roles.times, &values, &settings.limits.noise);
+        if let Some(found) =
+            drop_outliers(&name, &roles.times, &mut values, &driving, noise.std, &settings.limits.outliers)
+        {
+            noise = estimate_noise(&roles.times, &values, &settings.limits.noise);
+            repaired.push(found);
+        }
+        let outliers = repaired.iter().find_map(|w| w.outliers(&name));
+        audits.push(ColumnAudit { outliers, ..ColumnAudit::measured(&name, &values, noise, &settings.limits) });
         measured.push(Measured { name, quantity, values, noise: noise.std });
     }
     let driving = Driving::of(origin, roles.inputs, roles.derivatives, &roles.times, &clock.gaps, system, settings)?;

@@ -34,6 +34,19 @@ pub enum Warning {
         /// How often.
         count: usize,
     },
+    /// Samples stand alone, far from their neighbors.
+    Outliers {
+        /// The column.
+        name: String,
+        /// How many.
+        count: usize,
+        /// Number of samples.
+        samples: usize,
+        /// Times of the first ones, s.
+        at: Vec<f64>,
+        /// Whether they are left out; too many are kept.
+        left_out: bool,
+    },
     /// A sensor shows a new value less often than there are rows.
     HeldReadings {
         /// The column.
@@ -151,8 +164,18 @@ impl Warning {
     /// Whether it says of a column that entries are read as lost.
     pub(super) fn marks_as_lost(&self, column: &str) -> bool {
         match self {
-            Warning::Sentinel { name, .. } | Warning::HeldReadings { name, .. } => name == column,
+            Warning::Sentinel { name, .. }
+            | Warning::HeldReadings { name, .. }
+            | Warning::Outliers { name, left_out: true, .. } => name == column,
             _ => false,
+        }
+    }
+
+    /// How many samples of a column stand alone, if it says so.
+    pub(super) fn outliers(&self, column: &str) -> Option<usize> {
+        match self {
+            Warning::Outliers { name, count, .. } if name == column => Some(*count),
+            _ => None,
         }
     }
 
@@ -163,6 +186,16 @@ impl Warning {
             Warning::Lost { name, count, samples } => format!("`{name}`: {count} of {samples} values were lost"),
             Warning::Sentinel { name, value, count } => {
                 format!("`{name}` is {value} {}, far from all other values", times(*count))
+            }
+            Warning::Outliers { name, count, samples, at, .. } => {
+                let at: Vec<String> = at.iter().map(|t| readable(*t)).collect();
+                format!(
+                    "`{name}`: {} of {samples} {} alone, far from {} neighbors, first at t = {} s",
+                    count,
+                    if *count == 1 { "value stands" } else { "values stand" },
+                    if *count == 1 { "its" } else { "their" },
+                    at.join(", ")
+                )
             }
             Warning::HeldReadings { name, every } => format!("`{name}` shows a new value only every {every} rows"),
             Warning::LostInputs { filled, left_out } => {
@@ -231,6 +264,12 @@ impl Warning {
                 "inputs there are taken halfway between their neighbors, and nothing counts as measured; check the logger"
             }
             Warning::Repeated { .. } => "check the logger",
+            Warning::Outliers { left_out: true, .. } => {
+                "they are left out as lost values are; check the sensor and its cable"
+            }
+            Warning::Outliers { .. } => {
+                "they are kept, because they are too many to be outliers; leave these entries empty if they are no measurements"
+            }
             Warning::RoundedTimes { .. } => {
                 "they are spread evenly until the next time; record the times with more digits"
             }

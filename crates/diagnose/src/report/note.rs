@@ -3,6 +3,7 @@
 use super::reason::{Mispredicted, OtherHold};
 use crate::effect::Cause;
 use crate::extend::OutsideDelay;
+use crate::read::Warning;
 
 /// What else the reader of a report should know.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +16,13 @@ pub enum Note {
         first: String,
         /// Where the two were given.
         place: Repetition,
+    },
+    /// Samples of a record stand alone, far from their neighbors.
+    Outliers {
+        /// The record.
+        record: String,
+        /// What was seen, a [`Warning::Outliers`].
+        warning: Warning,
     },
     /// The noise of a column is another than the column alone shows.
     NoiseOfColumn {

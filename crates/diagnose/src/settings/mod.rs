@@ -25,7 +25,7 @@ mod verdict;
 
 pub use gain::{EquationSettings, GainSettings, PredictionSettings};
 pub use library::LibrarySettings;
-pub use read::{ConsistencySettings, DecimationSettings, NoiseSettings, ReadSettings, RepairSettings};
+pub use read::{ConsistencySettings, DecimationSettings, NoiseSettings, OutlierSettings, ReadSettings, RepairSettings};
 pub use study::{PriorSettings, SolverSettings, StudySettings, TimeScaleSettings, WindowSettings};
 pub use verdict::{
     AlarmSettings, ColumnSettings, JumpSettings, NamingSettings, PeriodSettings, PlaceSettings, RivalSettings,

@@ -9,6 +9,8 @@ settings! {
         consistency: ConsistencySettings = ConsistencySettings::default(),
         /// What is no sample.
         repair: RepairSettings = RepairSettings::default(),
+        /// What is no measurement.
+        outliers: OutlierSettings = OutlierSettings::default(),
         /// What is left out of long runs.
         decimation: DecimationSettings = DecimationSettings::default(),
         /// Largest share of lost entries of a measured column.
@@ -40,6 +42,19 @@ settings! {
         motion_growth: f64 = 1.7,
         /// Largest distance, in samples, at which correlated noise is followed.
         farthest_neighbor: usize = 32,
+    }
+
+    /// Which samples stand alone, so that they are no measurements.
+    OutlierSettings {
+        /// An outlier differs from both neighbors by more than this many standard deviations of the noise: white noise does so once in
+        /// 10^10 samples.
+        beyond_noise: f64 = 8.0,
+        /// And by more than this many times the largest difference of neighboring samples around it.
+        beyond_motion: f64 = 4.0,
+        /// Largest share of the samples of a column; more belong to what is measured, and are kept.
+        most: f64 = 0.05,
+        /// How many are listed by their times.
+        listed: usize = 3,
     }
 
     /// Which rows of long runs are left out.

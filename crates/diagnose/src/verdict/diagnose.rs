@@ -27,6 +27,7 @@ use super::validation::mispredicted;
 use super::{scale, write};
 use crate::effort::Counter;
 use crate::library::{candidates, dictionary};
+use crate::read::Warning;
 use crate::report::{Caveat, Fits, Note};
 use crate::settings::{DiagnosisSettings, StudySettings};
 use crate::study::{Windows, shorter_windows};
@@ -68,10 +69,18 @@ pub fn diagnose(
     if let (Some(limit), true) = (settings.time_limit, counter.is_over() && counter.left_out() > 0) {
         report.notes.push(Note::TimeLimit { seconds: limit.as_secs_f64(), left_out: counter.left_out() });
     }
+    report.notes.extend(records.iter().chain(validate).flat_map(outliers));
     report.effort = counter.effort();
     report.data = records.iter().chain(validate).filter_map(|r| r.audit.clone()).collect();
     report.seconds = started.elapsed().as_secs_f64();
     Ok(report)
+}
+
+/// What is to be said of samples of a record that stand alone.
+fn outliers(record: &Record) -> impl Iterator<Item = Note> {
+    let warnings = record.audit.iter().flat_map(|audit| &audit.warnings);
+    let of = |warning: &&Warning| matches!(warning, Warning::Outliers { .. });
+    warnings.filter(of).map(|warning| Note::Outliers { record: record.name.clone(), warning: warning.clone() })
 }
 
 /// What a report left unexplained, in windows of a quarter and of a sixteenth of the length: what falls out of step over long windows, as with

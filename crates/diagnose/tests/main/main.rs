@@ -19,6 +19,7 @@ mod integrate;
 mod library;
 mod library_dynamics;
 mod noise;
+mod outliers;
 mod places;
 mod records;
 mod refused;

@@ -97,13 +97,18 @@ fn numbers_that_stand_for_lost_values_are_lost() {
     }
 }
 
-/// A number that is in use is a measurement where the column comes near it.
+/// A number that is in use is a measurement where the column comes near it. By itself in the middle of a smooth motion, it is an outlier.
 #[test]
 fn measurements_are_no_marks() {
     let mut rows = Rows::new();
-    rows.0.iter_mut().for_each(|row| row[2..].iter_mut().for_each(|v| *v = (*v * 1000.0).round()));
-    rows.0[500][2] = 999.0;
-    assert!(rows.run().0.measured.iter().all(|m| m.values.iter().all(|v| v.is_finite())));
+    rows.0.iter_mut().for_each(|row| row[2..].iter_mut().for_each(|v| *v = (*v * 1998.0).round()));
+    let (record, warnings) = rows.run();
+    assert!(record.measured[1].values.contains(&999.0));
+    assert!(record.measured.iter().all(|m| m.values.iter().all(|v| v.is_finite())), "{warnings}");
+    rows.0[400][2] = 999.0;
+    let (record, warnings) = rows.run();
+    assert_eq!(lost(&record, 1), [400]);
+    assert!(warnings.contains("`x`: 1 of 1000 value stands alone"), "{warnings}");
 }
 
 #[test]

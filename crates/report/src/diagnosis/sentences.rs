@@ -164,6 +164,7 @@ pub(super) fn note(note: &Note) -> String {
                 format!("{record} for validation holds the same data as {first}: omitted")
             }
         },
+        Note::Outliers { record, warning } => format!("{record}: {}: {}", warning.message(), warning.remedy()),
         Note::NoiseOfColumn { column, std, factor } => format!(
             "the noise of `{column}` is {std:.2e} according to the residual, {factor:.2} times the estimate from the \
              column alone: refitted with this value"
