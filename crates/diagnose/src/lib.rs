@@ -56,8 +56,8 @@ pub use numbers::{measured, p_value, probability, significant};
 pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_noise, read_record};
 pub use record::Record;
 pub use report::{
-    Candidate, Caveat, Closeness, ColumnFault, Doubt, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note,
-    OtherHold, OtherUnit, Outcome, Place, RefittedParameter, Regime, Repetition, Report, Rescaling,
+    Candidate, Caveat, Closeness, ColumnFault, Combination, Doubt, Evidence, Excess, Flag, Mispredicted, NamedCause,
+    NoMotion, Note, OtherHold, OtherUnit, Outcome, Place, RefittedParameter, Regime, Repetition, Report, Rescaling,
     ResidualAcceleration, Rival, ScaledColumn, SmallGain, Value, Verdict, VerdictReason,
 };
 pub use settings::{

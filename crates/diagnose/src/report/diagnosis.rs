@@ -98,6 +98,28 @@ pub struct NamedCause {
     pub share: Option<f64>,
     /// What is odd about the values, as a negative friction coefficient; empty if nothing is.
     pub flags: Vec<Flag>,
+    /// Of parameters that the data determine only in combination: that combination.
+    pub combination: Option<Combination>,
+}
+
+/// A combination of parameters that the data determine although they do not determine each parameter (a base parameter), and that has left
+/// its tolerance: the sum of the relative changes of the parameters, with weights.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Combination {
+    /// The weights by parameter, the largest first; the absolute values of all add up to 1, so that parameters within their tolerance change
+    /// the sum by no more than that.
+    pub weights: Named<f64>,
+    /// The sum.
+    pub change: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// The tolerance.
+    pub tolerance: f64,
+    /// Residual of the model as given over the noise; absent where it cannot be simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub as_given: Option<f64>,
+    /// Parameters of which one alone, all others as given, explains the data as well, with its value.
+    pub alone: Named<Value>,
 }
 
 /// Where the refitted model is wrong.

@@ -10,8 +10,8 @@ mod regime;
 pub use columns::{ColumnFault, OtherUnit, Rescaling, ScaledColumn};
 pub(crate) use complete::{Fits, intervals};
 pub use diagnosis::{
-    Candidate, Evidence, Excess, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival, Value,
-    Verdict,
+    Candidate, Combination, Evidence, Excess, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration,
+    Rival, Value, Verdict,
 };
 pub use note::{Closeness, Flag, Note, Repetition};
 pub use reason::{Caveat, Doubt, Mispredicted, NoMotion, OtherHold, Outcome, SmallGain, VerdictReason};

@@ -192,6 +192,8 @@ settings! {
         most_force_error: f64 = 1.25,
         /// Most candidates in the report.
         listed_candidates: usize = 15,
+        /// Most parameters of a combination that are fitted alone.
+        most_alone: usize = 4,
         /// Fewest windows that are resampled.
         fewest_resampled: usize = 5,
         /// A named cause beside terms without a name keeps its name if it explains this share of what is there without it: else

@@ -328,6 +328,7 @@ fn report(system: &System, found: &[(Fit, Alarm, Reading)], base: Option<&Alarm>
         rivals: rivals.collect(),
         share: None,
         flags: Vec::new(),
+        combination: None,
     };
     let size = base.map(|b| b.size);
     Report {

@@ -2,6 +2,7 @@
 
 mod alarm;
 mod attempt;
+mod base_parameters;
 mod columns;
 mod curves;
 mod diagnose;
@@ -12,6 +13,7 @@ mod hidden;
 mod hold;
 mod jumps;
 mod motion;
+mod moved_parameters;
 mod noise;
 mod periods;
 mod places;

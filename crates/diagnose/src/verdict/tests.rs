@@ -227,6 +227,7 @@ fn cause(name: Cause, share: f64) -> NamedCause {
         rivals: Vec::new(),
         share: Some(share),
         flags: Vec::new(),
+        combination: None,
     }
 }
 

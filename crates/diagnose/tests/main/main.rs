@@ -8,6 +8,7 @@ mod actuators;
 mod apply;
 mod archives;
 mod audits;
+mod base_parameters;
 mod caveats;
 mod changes;
 mod effort;

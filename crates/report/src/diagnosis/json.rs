@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use bracketry_diagnose::{
-    Audit, Candidate, Cause, Effort, Excess, Gain, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration,
-    Rival, Value, Verdict, Windows,
+    Audit, Candidate, Cause, Combination, Effort, Excess, Gain, NamedCause, Place, RefittedParameter, Report,
+    ResidualAcceleration, Rival, Value, Verdict, Windows,
 };
 use bracketry_symbolic::Named;
 use serde::{Serialize, Serializer};
@@ -58,6 +58,8 @@ struct CauseJson<'a> {
     share: Option<f64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     flags: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    combination: Option<&'a Combination>,
 }
 
 #[derive(Serialize)]
@@ -121,6 +123,7 @@ impl<'a> CauseJson<'a> {
             rivals: cause.rivals.iter().map(of_rival).collect(),
             share: cause.share,
             flags: cause.flags.iter().map(flag).collect(),
+            combination: cause.combination.as_ref(),
         }
     }
 }

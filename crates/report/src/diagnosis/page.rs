@@ -75,6 +75,9 @@ fn of_cause(cause: &NamedCause) -> String {
     if let Some(share) = cause.share {
         let _ = write!(out, "<li>without it {} of the excess would remain</li>", percent(share));
     }
+    for line in cause.combination.iter().flat_map(sentences::combination) {
+        let _ = write!(out, "<li>{}</li>", escaped(&line));
+    }
     for flag in &cause.flags {
         let _ = write!(out, "<li>caution: {}</li>", escaped(&sentences::flag(flag)));
     }

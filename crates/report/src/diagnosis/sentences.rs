@@ -1,10 +1,11 @@
 //! The reasons, notes and cautions of a diagnosis in words.
 
 use bracketry_diagnose::{
-    Caveat, Closeness, ColumnFault, Doubt, Flag, Mispredicted, NoMotion, Note, OtherHold, OtherUnit, Outcome, Regime,
-    Repetition, Rescaling, ScaledColumn, SmallGain, VerdictReason, significant,
+    Caveat, Closeness, ColumnFault, Combination, Doubt, Flag, Mispredicted, NoMotion, Note, OtherHold, OtherUnit,
+    Outcome, Regime, Repetition, Rescaling, ScaledColumn, SmallGain, VerdictReason, significant,
 };
 use bracketry_sim::Hold;
+use bracketry_system::readable;
 
 /// Why there may be no force residual.
 const NO_FORCE: &str = "no equation has all its states measured over an evenly sampled section long enough for \
@@ -147,6 +148,41 @@ fn small_gain(gain: &SmallGain) -> String {
 fn mispredicted(run: &Mispredicted) -> String {
     let Mispredicted { record, size } = run;
     format!("{record}, which was not fitted, is mispredicted: its residual is {size:.3} times the noise")
+}
+
+/// A combination of parameters that has left its tolerance, in sentences.
+pub(super) fn combination(combination: &Combination) -> Vec<String> {
+    let Combination { weights, change, std, tolerance, as_given, alone } = combination;
+    let parts: Vec<String> =
+        weights.iter().map(|(name, w)| format!("{} Δ{name}/{name}", significant(*w, 2).replace('-', "−"))).collect();
+    let names: Vec<&str> = weights.iter().map(|(name, _)| name.as_str()).collect();
+    let percent = |v: f64| significant(100.0 * v, 4);
+    let mut lines = Vec::new();
+    if names.len() > 1 {
+        lines.push(format!(
+            "base parameter: the data determine a combination of {}, not each of them",
+            names.join(", ")
+        ));
+    }
+    lines.push(format!(
+        "its relative change {} = {} ± {} % (95 %: {} … {}); with every parameter within {tolerance} %, it is, too",
+        parts.join(" + ").replace("+ −", "− "),
+        percent(*change),
+        significant(100.0 * std, 2),
+        percent(change - 1.96 * std),
+        percent(change + 1.96 * std),
+        tolerance = readable(100.0 * tolerance)
+    ));
+    if let Some(size) = as_given {
+        lines.push(format!("the model as given leaves {size:.2} times the noise"));
+    }
+    if alone.is_empty() {
+        lines.push("no single one of them explains the data with the others as given".to_owned());
+    } else {
+        let values: Vec<String> = alone.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        lines.push(format!("with all others as given, the data are explained by {}", values.join(", or by ")));
+    }
+    lines
 }
 
 /// What else the reader should know, in a sentence.

@@ -10,7 +10,7 @@ use bracketry_diagnose::{
 
 use bracketry_system::counted;
 
-use super::sentences::{closeness, flag as flag_text, note as note_text, reason, regime};
+use super::sentences::{closeness, combination, flag as flag_text, note as note_text, reason, regime};
 use super::table::{Table, percent, short};
 
 /// Candidates that the text lists; JSON has them all.
@@ -89,6 +89,9 @@ fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {
     match cause.share {
         Some(share) => writeln!(f, "; without it {} of the excess would remain", percent(share))?,
         None => writeln!(f)?,
+    }
+    for line in cause.combination.iter().flat_map(combination) {
+        writeln!(f, "  {line}")?;
     }
     for flag in &cause.flags {
         writeln!(f, "  caution: {}", flag_text(flag))?;

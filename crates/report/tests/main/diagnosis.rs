@@ -39,6 +39,7 @@ fn report() -> Report {
             }],
             share: Some(0.93),
             flags: Vec::new(),
+            combination: None,
         }],
         places: vec![Place { equation: "v".into(), regime: sliding, share: 0.8, time: Some(0.4) }],
         regimes: Vec::new(),

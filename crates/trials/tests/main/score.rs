@@ -18,6 +18,7 @@ fn score(hidden: &[Option<Cause>], named: &[(Cause, &[Cause])], unexplained: boo
         rivals: Vec::new(),
         share: None,
         flags: Vec::new(),
+        combination: None,
     };
     let verdict = match (unexplained, named) {
         (true, _) => Verdict::Unexplained,
