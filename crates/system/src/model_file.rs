@@ -33,7 +33,7 @@ const KEYS: [&str; 15] = [
     "static",
     "point",
 ];
-const PARAMETER_KEYS: [&str; 5] = ["value", "unit", "min", "max", "about"];
+const PARAMETER_KEYS: [&str; 6] = ["value", "unit", "min", "max", "fixed", "about"];
 
 type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
 
@@ -241,7 +241,26 @@ impl<'d> Reader<'d> {
                 }
                 continue;
             };
-            let (min, max) = (bound("min")?, bound("max")?);
+            let (mut min, mut max) = (bound("min")?, bound("max")?);
+            if let Some(entry) = entries.get("fixed") {
+                let wrong = match entry.get_ref() {
+                    Value::Boolean(false) => None,
+                    Value::Boolean(true) if min.is_some() || max.is_some() => {
+                        Some((format!("parameter `{name}` is fixed and has bounds"), "remove fixed, or min and max"))
+                    }
+                    Value::Boolean(true) => {
+                        (min, max) = (Some(number.clone()), Some(number.clone()));
+                        None
+                    }
+                    _ => {
+                        let message = format!("`fixed` of parameter `{name}` must be true or false");
+                        Some((message, "write fixed = true for a parameter that is known"))
+                    }
+                };
+                if let Some((message, remedy)) = wrong {
+                    return Err(doc.error(entry.span(), message, remedy));
+                }
+            }
             check_parameter(name, &number, min.as_ref(), max.as_ref()).map_err(|e| e.at(doc, key.span()))?;
             let (unit, about) = (doc.string(entries, "unit")?, doc.string(entries, "about")?);
             self.parameters.push(Parameter { symbol, value: number, min, max, unit, about });

@@ -85,9 +85,13 @@ impl System {
         for p in &self.parameters {
             let mut t = toml::Table::new();
             t.insert("value".into(), value(&p.value));
-            for (k, v) in [("min", &p.min), ("max", &p.max)] {
-                if let Some(v) = v {
-                    t.insert(k.into(), number(v));
+            if p.is_fixed() {
+                t.insert("fixed".into(), toml::Value::Boolean(true));
+            } else {
+                for (k, v) in [("min", &p.min), ("max", &p.max)] {
+                    if let Some(v) = v {
+                        t.insert(k.into(), number(v));
+                    }
                 }
             }
             for (k, v) in [("unit", &p.unit), ("about", &p.about)] {

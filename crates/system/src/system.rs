@@ -21,6 +21,13 @@ pub struct Parameter {
     pub about: Option<String>,
 }
 
+impl Parameter {
+    /// Whether its bounds leave it no value but its own, as with `fixed = true` in a model file: no fit changes it.
+    pub fn is_fixed(&self) -> bool {
+        self.min.as_ref() == Some(&self.value) && self.max.as_ref() == Some(&self.value)
+    }
+}
+
 /// A time derivative of an input that the equations use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InputDerivative {

@@ -1,5 +1,7 @@
 //! What follows from the fits of a report: intervals, the extended model, the gain.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::diagnosis::Report;
 use super::note::Note;
 use crate::error::DiagnoseError;
@@ -36,7 +38,7 @@ impl Report {
         let Fits { refitted, extended, width } = fits;
         let all: Vec<usize> = (0..study.windows().len()).collect();
         let at_extended = study.linearize(extended, &[], &all)?;
-        let Intervals { of_values, hardly, alike } = intervals(extended, &at_extended, width, settings);
+        let Intervals { of_values, hardly, combined, alike } = intervals(extended, &at_extended, width, settings);
         for (estimate, interval) in extended.values.iter().zip(of_values) {
             if let Some(interval) = interval {
                 self.set_interval(&estimate.name, interval);
@@ -47,6 +49,9 @@ impl Report {
         let hardly: Vec<String> = hardly.iter().filter_map(name).collect();
         if !hardly.is_empty() {
             self.notes.push(Note::HardlyIdentifiable(hardly));
+        }
+        if !combined.is_empty() {
+            self.notes.push(Note::OnlyInCombination(combined));
         }
         if !alike.is_empty() {
             self.notes.push(Note::NoInterval(alike));
@@ -110,6 +115,8 @@ pub(crate) struct Intervals {
     pub(crate) of_values: Vec<Option<[f64; 2]>>,
     /// Places of values that the data hardly tell.
     hardly: Vec<usize>,
+    /// Names of values that resamples tell hardly from each other because the prior holds them: the data determine only their combinations.
+    combined: Vec<String>,
     /// Names of values that come out alike in all resamples, as where the sum of squares has a kink.
     alike: Vec<String>,
 }
@@ -119,7 +126,9 @@ pub(crate) struct Intervals {
 pub(crate) fn intervals(fit: &Fit, at: &Linearization, width: f64, settings: &DiagnosisSettings) -> Intervals {
     let hardly = hardly_told(fit, at, width, settings.study.priors.unidentified_share);
     let mut of_values = vec![None; fit.values.len()];
-    let mut alike = Vec::new();
+    let (mut combined, mut alike) = (Vec::new(), Vec::new());
+    let narrowest = settings.gain.narrowest_interval;
+    let of_data = share_of_data(at);
     let single = of_one_window(at, fit.values.len(), settings.gain.most_of_one_window);
     let held: Vec<usize> = fit.limited.iter().chain(&single).copied().collect();
     let steps = bootstrap(at, &held, settings.gain.resamples, settings.seed).unwrap_or_default();
@@ -128,14 +137,26 @@ pub(crate) fn intervals(fit: &Fit, at: &Linearization, width: f64, settings: &Di
         let step = if single.contains(&j) && !fit.limited.contains(&j) { Some([-half, half]) } else { step };
         // What the data do not tell keeps near the prior in every resample.
         let Some([low, high]) = step.filter(|_| !hardly.contains(&j)) else { continue };
-        if high - low < settings.gain.narrowest_interval * 2.0 * NORMAL * estimate.widened(width) {
-            alike.push(estimate.name.clone());
+        if high - low < narrowest * 2.0 * NORMAL * estimate.widened(width) {
+            let held = of_data.get(j).is_some_and(|share| *share < narrowest * narrowest);
+            if held { &mut combined } else { &mut alike }.push(estimate.name.clone());
         } else {
             let (min, max) = allowed(fit, &estimate.name);
             of_values[j] = Some([low, high].map(|s| (estimate.value + s).max(min).min(max)));
         }
     }
-    Intervals { of_values, hardly, alike }
+    Intervals { of_values, hardly, combined, alike }
+}
+
+/// Of each value, the share of its variance that noise in the data contributes: with `C = (G + P)⁻¹` that of `C G C` in `C`. The rest is that
+/// of the prior, which does not scatter in resamples. Empty where the values are not determined.
+fn share_of_data(at: &Linearization) -> Vec<f64> {
+    let prior = DMatrix::from_diagonal(&DVector::from_column_slice(&at.prior));
+    let gram = at.windows.iter().fold(DMatrix::zeros(prior.nrows(), prior.ncols()), |sum, normal| sum + &normal.gram);
+    let Some(cholesky) = (&gram + prior).cholesky() else { return Vec::new() };
+    let covariance = cholesky.inverse();
+    let of_noise = &covariance * gram * &covariance;
+    (0..covariance.nrows()).map(|j| of_noise[(j, j)] / covariance[(j, j)]).collect()
 }
 
 /// Places of the first values, `count` of them, of which one window tells more than the share `most`, as the instant of a change:

@@ -55,9 +55,13 @@ pub enum Note {
         /// Whether in the model without causes.
         without_causes: bool,
     },
+    /// Parameters that keep their values, by the model file or by the settings.
+    Fixed(Vec<String>),
     /// Numbers that the data hardly tell; they have no interval.
     HardlyIdentifiable(Vec<String>),
-    /// Numbers without an interval, because the model misses all parts of the data in the same way.
+    /// Numbers that the data tell only in combination with others; they have no interval.
+    OnlyInCombination(Vec<String>),
+    /// Numbers without an interval, because resamples of the windows hardly differ in them.
     NoInterval(Vec<String>),
     /// What the extended model's equations cannot say.
     ExtendedModel(OutsideDelay),

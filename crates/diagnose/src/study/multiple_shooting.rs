@@ -362,6 +362,7 @@ fn refitted(system: &System, fixed: &[String]) -> Vec<usize> {
             let parameter = &system.parameters[i];
             used.contains(&parameter.symbol)
                 && !is_natural_constant(system, parameter)
+                && !parameter.is_fixed()
                 && !fixed.iter().any(|name| name == system.symbol_name(parameter.symbol))
         })
         .collect()

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use bracketry_system::System;
+use bracketry_system::{Parameter, System};
 
 use super::attempt::Attempt;
 use super::columns::wrong_columns;
@@ -69,11 +69,21 @@ pub fn diagnose(
     if let (Some(limit), true) = (settings.time_limit, counter.is_over() && counter.left_out() > 0) {
         report.notes.push(Note::TimeLimit { seconds: limit.as_secs_f64(), left_out: counter.left_out() });
     }
+    report.notes.extend(fixed(system, &settings.study));
     report.notes.extend(records.iter().chain(validate).flat_map(outliers));
     report.effort = counter.effort();
     report.data = records.iter().chain(validate).filter_map(|r| r.audit.clone()).collect();
     report.seconds = started.elapsed().as_secs_f64();
     Ok(report)
+}
+
+/// The parameters that keep their values because the model file or the settings say so.
+fn fixed(system: &System, settings: &StudySettings) -> Option<Note> {
+    let known =
+        |p: &&Parameter| p.is_fixed() || settings.fixed.iter().any(|name| *name == system.symbol_name(p.symbol));
+    let names: Vec<String> =
+        system.parameters.iter().filter(known).map(|p| system.symbol_name(p.symbol).to_owned()).collect();
+    (!names.is_empty()).then_some(Note::Fixed(names))
 }
 
 /// What is to be said of samples of a record that stand alone.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_diagnose::{Cause, DiagnosisSettings, Record, RecordSettings, Report, Verdict, diagnose};
+use bracketry_diagnose::{Cause, DiagnosisSettings, Note, Record, RecordSettings, Report, Verdict, diagnose};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -10,10 +10,11 @@ use rand_distr::{Distribution, Normal};
 
 const STEP: f64 = 0.01;
 
-/// A speed with a gain `a*b` that the run takes `factor` times as large, and a loss `c`.
-fn driven(a: f64, b: f64, factor: f64, seed: u64) -> Report {
+/// A speed with a gain `a*b` that the run takes `factor` times as large, and a loss `c`; `b` is known or not.
+fn driven(a: f64, b: f64, known: bool, factor: f64, seed: u64) -> Report {
+    let b_entry = format!("{{ value = {b}, fixed = {known} }}");
     let model = format!(
-        "states = ['v']\ninputs = ['u']\nparameters = {{ a = {a}, b = {b}, c = 0.8 }}\n[dynamics]\nv = 'a*b*u - c*v'"
+        "states = ['v']\ninputs = ['u']\nparameters = {{ a = {a}, b = {b_entry}, c = 0.8 }}\n[dynamics]\nv = 'a*b*u - c*v'"
     );
     let system = System::parse("product.toml", &model).unwrap();
     let mut random = StdRng::seed_from_u64(seed);
@@ -41,7 +42,7 @@ fn a_combination_that_has_left_its_tolerance_is_named_and_no_single_parameter() 
         let (a, b) = (random.random_range(0.3..3.0), random.random_range(0.3..3.0));
         let factor =
             if random.random_bool(0.5) { random.random_range(1.3..1.9) } else { random.random_range(0.5..0.75) };
-        let report = driven(a, b, factor, seed);
+        let report = driven(a, b, false, factor, seed);
         assert_eq!(report.verdict, Verdict::CauseFound, "seed {seed}: {:?}", report.reason);
         let [cause] = report.causes.as_slice() else { panic!("seed {seed}: {:?}", report.causes) };
         assert_eq!(cause.name, Cause::ParameterError);
@@ -65,7 +66,25 @@ fn combinations_within_their_tolerances_are_calibration() {
     for seed in 20..30 {
         let mut random = StdRng::seed_from_u64(seed);
         let (a, b) = (random.random_range(0.3..3.0), random.random_range(0.3..3.0));
-        let report = driven(a, b, random.random_range(0.9..1.1), seed);
+        let report = driven(a, b, false, random.random_range(0.9..1.1), seed);
         assert_eq!(report.verdict, Verdict::NothingFound, "seed {seed}: {:?}", report.causes);
+        let alone = |n: &Note| matches!(n, Note::HardlyIdentifiable(names) | Note::OnlyInCombination(names) if names.len() == 2);
+        assert!(report.notes.iter().any(alone), "{:?}", report.notes);
+        assert!(!report.notes.iter().any(|n| matches!(n, Note::NoInterval(_))), "{:?}", report.notes);
+    }
+}
+
+#[test]
+fn a_parameter_beside_a_fixed_one_is_named() {
+    for seed in 40..46 {
+        let mut random = StdRng::seed_from_u64(seed);
+        let (a, b) = (random.random_range(0.3..3.0), random.random_range(0.3..3.0));
+        let factor = random.random_range(1.3..1.9);
+        let report = driven(a, b, true, factor, seed);
+        let [cause] = report.causes.as_slice() else { panic!("seed {seed}: {:?}", report.causes) };
+        let value = cause.parameters.get("a").unwrap().value;
+        assert!((value / a - factor).abs() < 0.02 * factor && cause.combination.is_none(), "seed {seed}: {cause:?}");
+        assert!(report.notes.contains(&Note::Fixed(vec!["b".into()])), "{:?}", report.notes);
+        assert!(report.parameters.iter().all(|p| p.name != "b"));
     }
 }

@@ -225,9 +225,15 @@ pub(super) fn note(note: &Note) -> String {
             significant(*value, 4)
         ),
         Note::HardlyIdentifiable(names) => format!("the data hardly determine {}: no interval", names.join(", ")),
+        Note::OnlyInCombination(names) => format!(
+            "the data determine {} only in combination with other parameters (base parameters): no interval; --fix, or \
+             fixed = true in the model file, states what is known",
+            names.join(", ")
+        ),
+        Note::Fixed(names) => format!("kept as given, not fitted: {}", names.join(", ")),
         Note::NoInterval(names) => format!(
-            "no interval for {}: the model misses all parts of the data in the same way, so resampling gives no \
-             information",
+            "no interval for {}: resampled windows agree more closely than the standard deviation allows, as where the \
+             sum of squares has a kink",
             names.join(", ")
         ),
         Note::ExtendedModel(delay) => format!("extended model: {delay}"),

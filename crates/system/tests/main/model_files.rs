@@ -343,3 +343,22 @@ fn names_of_other_languages_have_a_remedy() {
     let error = System::parse("m.toml", "states = ['x']\ninputs = ['T']\n[dynamics]\nx = 't'").unwrap_err().to_string();
     assert!(error.contains("did you mean `T`?"), "{error}");
 }
+
+#[test]
+fn a_fixed_parameter_has_no_other_value() {
+    let read =
+        |entry: &str| System::parse("m", &format!("states = ['x']\n[parameters]\nk = {entry}\n[dynamics]\nx = '-k*x'"));
+    let system = read("{ value = 0.3, fixed = true }").unwrap();
+    let again = System::parse("m", &system.to_toml().unwrap()).unwrap();
+    assert!(system.parameters[0].is_fixed() && again.parameters[0].is_fixed());
+    assert!(system.to_toml().unwrap().contains("fixed = true"));
+    assert!(!read("{ value = 0.3, fixed = false }").unwrap().parameters[0].is_fixed());
+    assert!(!read("0.3").unwrap().parameters[0].is_fixed());
+    for (entry, message) in [
+        ("{ value = 0.3, fixed = true, max = 1 }", "`k` is fixed and has bounds"),
+        ("{ value = 0.3, fixed = 1 }", "`fixed` of parameter `k` must be true or false"),
+    ] {
+        let error = read(entry).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+}
