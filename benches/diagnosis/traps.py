@@ -53,6 +53,8 @@ class Plant:
     start: dict[str, float] = field(default_factory=dict)
     #: Coulomb friction, as (state, parameter, parameter of the inertia).
     friction: tuple[str, str, str] | None = None
+    #: The only faults that it is drawn for; all where none are given.
+    only: tuple[str, ...] = ()
 
 
 PLANTS = [
@@ -70,6 +72,9 @@ PLANTS = [
           {"x1": "v1", "x2": "v2", "v1": "(u - k*(x1 - x2) - d*(v1 - v2))/m1", "v2": "(k*(x1 - x2) + d*(v1 - v2) - c*v2)/m2"},
           {"m1": (0.5, 1.5), "m2": (0.5, 1.5), "k": (10, 40), "d": (0.1, 0.5), "c": (0.3, 1.0)}, 3.0,
           ["x1", "x2", "v1", "v2"], ("v1", "v1", "x1")),
+    Plant("exchanger", ["Th", "Tc"], [], {"Th": "(r*u - k*(Th - Tc))/C1", "Tc": "(k*(Th - Tc) - c*(Tc - 15))/C2"},
+          {"C1": (0.5, 1.5), "C2": (0.5, 1.5), "k": (0.7, 1.5), "c": (0.7, 1.5), "r": (0.8, 1.2)}, 10.0, ["Th", "Tc"], ("Th", "Th", "Tc"),
+          offset=30.0, start={"Th": 75.0, "Tc": 45.0}, only=("none", "temperature")),
 ]
 
 #: Each fault with the names that are right. Without any, only an abstention is.
@@ -105,6 +110,8 @@ FAULTS: dict[str, set[str]] = {
     "slow_change": {"parameter_error"},
     "hysteresis": {"hysteresis"},
     "outliers_of_column": {"nothing_found"},
+    # A measured column is on another scale: kelvin, or degrees Fahrenheit.
+    "temperature": {"wrong_unit"},
 }
 #: Faults that have no name of their own: an abstention is right, too.
 NAMELESS = {"slow_change"}
@@ -126,6 +133,8 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
     if fault == "wrong_parameter":
         k = rng.choice(sorted(set(p) - {"b"}))
         true[k] *= rng.uniform(1.3, 2.0) if rng.random() < 0.5 else rng.uniform(0.5, 0.75)
+    if plant.only and fault not in plant.only or fault == "temperature" and plant.name != "exchanger":
+        return None
     if fault in ("swapped",) and len(plant.measured) < 2:
         return None
     every, n = round(SAMPLE / STEP), round(DURATION / STEP)
@@ -154,12 +163,12 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
         width = rng.uniform(0.3, 0.7) * rms
         applied = np.sign(held) * np.maximum(np.abs(held) - width, 0)
     gain = {"slider": 1 / true.get("m", 1), "pendulum": 1 / (true.get("m", 1) * true.get("l", 1) ** 2), "motor": true.get("K", 1) / true.get("J", 1),
-            "tanks": 1 / true.get("A", 1), "masses": 1 / true.get("m1", 1)}[plant.name] * rms * (0.5 if plant.name == "motor" else 1)
+            "tanks": 1 / true.get("A", 1), "masses": 1 / true.get("m1", 1), "exchanger": 1 / true.get("C1", 1)}[plant.name] * rms * (0.5 if plant.name == "motor" else 1)
     size = rng.uniform(0.12, 0.3) * gain
     code = {s: compile(e.replace("^", "**"), s, "eval") for s, e in plant.equations.items()}
     names = {"sin": math.sin, "cos": math.cos, "sqrt": lambda x: math.sqrt(max(x, 0.0)), "sign": lambda v: math.copysign(1.0, v) if v else 0.0}
     z = {s: plant.start.get(s, 0.0) for s in plant.states}
-    reference = {"slider": 0.3, "pendulum": 3.0, "motor": 6.0, "tanks": 1.5, "masses": 0.6}[plant.name]
+    reference = {"slider": 0.3, "pendulum": 3.0, "motor": 6.0, "tanks": 1.5, "masses": 0.6, "exchanger": 30.0}[plant.name]
     wave = rng.uniform(0.1, 0.3) if plant.name == "slider" else rng.uniform(0.5, 1.2)
     jump_at = rng.uniform(0.35, 0.65) * n
     out = np.zeros((n // every, len(plant.states)))
@@ -269,6 +278,9 @@ def draw(rng: np.random.Generator, plant: Plant, fault: str) -> tuple[dict[str, 
     if fault == "unit_measured":
         s = str(rng.choice(plant.measured))
         columns[s] *= rng.choice(UNITS)
+    if fault == "temperature":
+        s = str(rng.choice(plant.measured))
+        columns[s] = columns[s] + 273.15 if rng.random() < 0.5 else 1.8 * columns[s] + 32
     if fault == "swapped":
         a, b = rng.choice(plant.measured, 2, replace=False)
         columns[a], columns[b] = columns[b], columns[a]

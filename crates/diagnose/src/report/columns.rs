@@ -72,6 +72,38 @@ pub enum Rescaling {
     Unit(OtherUnit),
     /// The model has that unit, and the column is in the unit of the International System.
     UnitOfModel(OtherUnit),
+    /// A temperature on another scale.
+    Temperature {
+        /// The scale of the column.
+        from: TemperatureScale,
+        /// That of the model.
+        to: TemperatureScale,
+    },
+}
+
+/// Scales of temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TemperatureScale {
+    /// K.
+    Kelvin,
+    /// °C.
+    Celsius,
+    /// °F.
+    Fahrenheit,
+}
+
+impl TemperatureScale {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Kelvin, Self::Celsius, Self::Fahrenheit];
+
+    /// The size of a degree in K, and the number at absolute zero.
+    fn degree_and_zero(self) -> (f64, f64) {
+        match self {
+            Self::Kelvin => (1.0, 0.0),
+            Self::Celsius => (1.0, -273.15),
+            Self::Fahrenheit => (1.0 / 1.8, -459.67),
+        }
+    }
 }
 
 /// Units beside those of the International System.
@@ -127,9 +159,24 @@ impl Rescaling {
         std::iter::once(Self::Sign).chain(tens).chain(units)
     }
 
+    /// All changes of the scale of a temperature.
+    pub fn temperatures() -> impl Iterator<Item = Self> {
+        let pairs = TemperatureScale::ALL.into_iter().flat_map(|from| TemperatureScale::ALL.map(|to| (from, to)));
+        pairs.filter(|(from, to)| from != to).map(|(from, to)| Self::Temperature { from, to })
+    }
+
+    /// What is added after the factor: 0 but for temperatures.
+    pub fn offset(self) -> f64 {
+        match self {
+            Self::Temperature { from, to } => to.degree_and_zero().1 - self.factor() * from.degree_and_zero().1,
+            _ => 0.0,
+        }
+    }
+
     /// The factor.
     pub fn factor(self) -> f64 {
         match self {
+            Self::Temperature { from, to } => from.degree_and_zero().0 / to.degree_and_zero().0,
             Self::Sign => -1.0,
             Self::PowerOfTen(n) => 10f64.powi(n),
             Self::Unit(unit) => unit.size(),

@@ -7,7 +7,7 @@ mod note;
 mod reason;
 mod regime;
 
-pub use columns::{ColumnFault, OtherUnit, Rescaling, ScaledColumn};
+pub use columns::{ColumnFault, OtherUnit, Rescaling, ScaledColumn, TemperatureScale};
 pub(crate) use complete::{Fits, intervals};
 pub use diagnosis::{
     Candidate, Combination, Evidence, Excess, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration,

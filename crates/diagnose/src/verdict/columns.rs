@@ -1,6 +1,6 @@
 //! Whether columns are what the model takes them for: their sign, their unit, which is which.
 
-use bracketry_symbolic::Named;
+use bracketry_symbolic::{Expr, Named, Node};
 use bracketry_system::System;
 
 use super::alarm::Alarm;
@@ -125,19 +125,20 @@ impl Reading {
             match *self {
                 Self::Measured(c, by) => {
                     if let Some(c) = place(record, c) {
-                        scale_measured(record, c, by.factor());
+                        rescale_measured(record, c, by);
                     }
                 }
                 Self::AllMeasured(by) => {
                     for c in 0..record.measured.len() {
-                        scale_measured(record, c, by.factor());
+                        rescale_measured(record, c, by);
                     }
                 }
                 Self::Input(i, by) => {
                     let derivatives = system.input_derivatives.iter().zip(&mut record.input_derivatives);
-                    let derivatives = derivatives.filter(|(d, _)| d.input == i).map(|(_, signal)| signal);
-                    for signal in record.inputs.get_mut(i).into_iter().chain(derivatives) {
-                        signal.values.iter_mut().for_each(|v| *v *= by.factor());
+                    let derivatives = derivatives.filter(|(d, _)| d.input == i).map(|(_, signal)| (signal, 0.0));
+                    let input = record.inputs.get_mut(i).map(|signal| (signal, by.offset()));
+                    for (signal, offset) in input.into_iter().chain(derivatives) {
+                        signal.values.iter_mut().for_each(|v| *v = by.factor() * *v + offset);
                     }
                 }
                 Self::SwappedMeasured(a, b) => {
@@ -160,10 +161,16 @@ impl Reading {
     }
 }
 
-fn scale_measured(record: &mut Record, column: usize, factor: f64) {
+fn rescale_measured(record: &mut Record, column: usize, by: Rescaling) {
     let Some(m) = record.measured.get_mut(column) else { return };
-    m.values.iter_mut().for_each(|v| *v *= factor);
-    m.noise *= factor.abs();
+    m.values.iter_mut().for_each(|v| *v = by.factor() * *v + by.offset());
+    m.noise *= by.factor().abs();
+}
+
+/// Whether nothing in the model is a position with its rate: then its measured states and inputs may be temperatures.
+fn may_have_temperatures(system: &System) -> bool {
+    let is_state = |e: &Expr| matches!(system.pool.node(*e), Node::Sym(s) if system.states.contains(&s));
+    !system.dynamics.iter().any(is_state)
 }
 
 fn name_of(system: &System, quantity: Quantity) -> String {
@@ -177,6 +184,11 @@ fn readings(system: &System, record: &Record) -> Vec<Reading> {
     let (measured, inputs) = (record.measured.len(), record.inputs.len());
     let mut all = Vec::new();
     for by in Rescaling::all() {
+        all.extend((0..measured).map(|c| Reading::Measured(c, by)));
+        all.extend((measured > 1).then_some(Reading::AllMeasured(by)));
+        all.extend((0..inputs).map(|i| Reading::Input(i, by)));
+    }
+    for by in Rescaling::temperatures().filter(|_| may_have_temperatures(system)) {
         all.extend((0..measured).map(|c| Reading::Measured(c, by)));
         all.extend((measured > 1).then_some(Reading::AllMeasured(by)));
         all.extend((0..inputs).map(|i| Reading::Input(i, by)));
@@ -293,7 +305,15 @@ fn place(fault: &ColumnFault) -> String {
 fn term(fault: &ColumnFault) -> Formula {
     let text = match fault {
         ColumnFault::Scaled { by: Rescaling::Sign, .. } => format!("-{}", place(fault).replace(' ', "_")),
-        ColumnFault::Scaled { by, .. } => format!("{}*{}", significant(by.factor(), 6), place(fault).replace(' ', "_")),
+        ColumnFault::Scaled { by, .. } => {
+            let column = place(fault).replace(' ', "_");
+            let factor = significant(by.factor(), 6);
+            match by.offset() {
+                0.0 => format!("{factor}*{column}"),
+                offset if by.factor() == 1.0 => format!("{column}{offset:+.2}"),
+                offset => format!("{factor}*{column}{offset:+.2}"),
+            }
+        }
         ColumnFault::Swapped { first, second } => format!("{first} <-> {second}"),
         ColumnFault::OtherQuantity { column, quantity } => format!("{column} -> {quantity}"),
     };

@@ -29,4 +29,5 @@ mod selection;
 mod spin_in_slip;
 mod stop_flag;
 mod study;
+mod temperatures;
 mod verdict_rules;

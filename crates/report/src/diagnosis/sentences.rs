@@ -2,7 +2,7 @@
 
 use bracketry_diagnose::{
     Caveat, Closeness, ColumnFault, Combination, Doubt, Flag, Mispredicted, NoMotion, Note, OtherHold, OtherUnit,
-    Outcome, Regime, Repetition, Rescaling, ScaledColumn, SmallGain, VerdictReason, significant,
+    Outcome, Regime, Repetition, Rescaling, ScaledColumn, SmallGain, TemperatureScale, VerdictReason, significant,
 };
 use bracketry_sim::Hold;
 use bracketry_system::readable;
@@ -291,8 +291,19 @@ fn rescaled(column: &ScaledColumn, by: Rescaling) -> String {
         Rescaling::PowerOfTen(n) => format!("10^{n} of the unit"),
         Rescaling::Unit(unit) => unit_words(unit).to_owned(),
         Rescaling::UnitOfModel(unit) => format!("the model is in {}", unit_words(unit)),
+        Rescaling::Temperature { from, to } => {
+            return format!("{name} read in {} and the model in {}", scale_words(from), scale_words(to));
+        }
     };
     format!("{name} times {} ({meaning})", significant(by.factor(), 5))
+}
+
+fn scale_words(scale: TemperatureScale) -> &'static str {
+    match scale {
+        TemperatureScale::Kelvin => "kelvin",
+        TemperatureScale::Celsius => "degrees Celsius",
+        TemperatureScale::Fahrenheit => "degrees Fahrenheit",
+    }
 }
 
 fn unit_words(unit: OtherUnit) -> &'static str {
