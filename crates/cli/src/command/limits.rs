@@ -4,7 +4,6 @@
 //! and ends the process where the work does not look in time.
 
 use std::path::Path;
-use std::process::exit;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -13,7 +12,7 @@ use bracketry::system::{FileError, System};
 use clap::Args;
 use sysinfo::{MemoryRefreshKind, Pid, ProcessRefreshKind, ProcessesToUpdate, System as Machine, get_current_pid};
 
-use super::style::error;
+use super::ending::give_up;
 
 /// Share of the machine's memory that a command may take unless another limit is given.
 const DEFAULT_SHARE: f64 = 0.5;
@@ -115,22 +114,23 @@ fn watch(stop: &StopFlag, memory: Option<u64>, last: Option<(Instant, Duration)>
                 stop.memory_runs_out();
             }
             if taken > limit {
-                error(&format!(
-                    "stopped at the memory limit of {:.3} GB without a result\n   = give more with --memory-limit, such as \
-                     --memory-limit {:.0}GB, or use a smaller model",
-                    limit as f64 / 1e9,
-                    (2.0 * limit as f64 / 1e9).max(1.0)
-                ));
-                exit(1);
+                let gigabytes = limit as f64 / 1e9;
+                let more = (2.0 * gigabytes).max(1.0);
+                give_up(
+                    &format!("stopped at the memory limit of {gigabytes:.3} GB"),
+                    " without a result",
+                    &format!(
+                        "give more with --memory-limit, such as --memory-limit {more:.0}GB, or use a smaller model"
+                    ),
+                );
             }
         }
         if let Some((_, limit)) = last.filter(|(end, _)| Instant::now() >= *end) {
-            error(&format!(
-                "stopped without a result: a step of the work did not end within the time limit of {} s\n   = give more time with \
-                 --time-limit, or use a smaller model",
-                limit.as_secs_f64()
-            ));
-            exit(1);
+            give_up(
+                &format!("a step of the work did not end within the time limit of {} s: stopped", limit.as_secs_f64()),
+                " without a result",
+                "give more time with --time-limit, or use a smaller model",
+            );
         }
         thread::sleep(LOOK);
     }

@@ -11,6 +11,7 @@ mod certify;
 mod control;
 mod demo;
 mod diagnose;
+mod ending;
 mod export;
 mod file_kind;
 mod from_rest;

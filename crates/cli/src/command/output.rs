@@ -9,6 +9,7 @@ use bracketry::plot::{Drawing, PlotError};
 use clap::Args;
 use serde::Serialize;
 
+use super::ending;
 use super::limits::{self, Limits};
 use super::style::warning;
 
@@ -41,6 +42,7 @@ pub(crate) struct CommonArgs {
 /// Writes to standard output at once. A reader that has gone away is an error like any other, not a panic.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
+    ending::has_printed();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
 }
 

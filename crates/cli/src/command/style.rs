@@ -7,7 +7,9 @@ use super::help::STYLES;
 /// Says why a command ended without a result.
 pub(crate) fn error(text: &str) {
     let red = STYLES.get_error();
-    anstream::eprintln!("{red}error:{red:#} {}", colored(text));
+    // In one piece: another thread may end the process at any time.
+    let whole = format!("{red}error:{red:#} {}\n", colored(text));
+    anstream::eprint!("{whole}");
 }
 
 /// Says what is missing beside a result.
