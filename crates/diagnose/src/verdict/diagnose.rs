@@ -8,6 +8,7 @@ use super::attempt::Attempt;
 use super::columns::wrong_columns;
 use super::curves::{curved, curved_where_better};
 use super::explanation::Explanation;
+use super::fewer::fewer;
 use super::findings::{Ending, Findings, Rivals};
 use super::held_out::UnseenWindows;
 use super::hold::{half_a_sample, other_hold};
@@ -31,7 +32,7 @@ use crate::read::Warning;
 use crate::report::{Caveat, Fits, Note};
 use crate::settings::{DiagnosisSettings, StudySettings};
 use crate::study::{Windows, shorter_windows};
-use crate::{DiagnoseError, Record, Report, Study, Verdict};
+use crate::{Cause, DiagnoseError, Record, Report, Study, Verdict};
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
 /// measured.
@@ -264,10 +265,15 @@ fn weigh(
     if now.explanation.members.is_empty() {
         return Ok(now);
     }
+    let named: Vec<usize> =
+        among.iter().copied().filter(|&c| search.candidates[c].cause != Cause::UnknownTerm).collect();
+    while let Some(smaller) = fewer(search, base, &now.explanation, &named, &now.scatter, settings)? {
+        now.explanation = smaller;
+    }
     progress(Stage::Rivals);
     let unseen = UnseenWindows::new(search.study, &search.windows, settings.verdict.search.most_windows);
     let compare = |search: &mut Search<'_>, explanation: &mut Explanation| {
-        rivals(search, explanation, &now.scatter, &among, unseen.as_ref(), settings.significance)
+        rivals(search, explanation, &now.scatter, &among, unseen.as_ref(), (settings.significance, settings.tolerance))
     };
     now.rivals = compare(search, &mut now.explanation)?;
     let best = now.explanation.clone();

@@ -7,6 +7,7 @@ mod columns;
 mod curves;
 mod diagnose;
 mod explanation;
+mod fewer;
 mod findings;
 mod held_out;
 mod hidden;

@@ -8,7 +8,7 @@ use super::findings::Rivals;
 use super::held_out::UnseenWindows;
 use super::noise::Scatter;
 use super::search::Search;
-use super::select::{add_all, merit};
+use super::select::{add_all, merit, price};
 use crate::DiagnoseError;
 use crate::settings::VerdictSettings;
 
@@ -29,7 +29,7 @@ pub(crate) fn rivals(
     scatter: &Scatter,
     among: &[usize],
     held_out: Option<&UnseenWindows>,
-    significance: f64,
+    (significance, tolerance): (f64, f64),
 ) -> Result<Vec<Rivals>, DiagnoseError> {
     let VerdictSettings { search: limits, selection, rivals: settings, .. } = search.settings;
     let least_share = selection.least_share;
@@ -44,6 +44,11 @@ pub(crate) fn rivals(
             search.singles(&linearized).iter().map(|p| (p.candidates[0], p.square)).collect();
         let structured = chosen.alarm.p_value < significance && chosen.alarm.size < limits.near_noise;
         let inexact = search.base().map_or(0.0, |b| limits.inexact * b.alarm.excess());
+        // Where only noise remains, a parameter that has left its tolerance is one more thing that is wrong.
+        let complete = chosen.alarm.p_value >= significance;
+        let merit = |search: &Search<'_>, e: &Explanation| {
+            if complete { price(search, e, scatter, tolerance) } else { merit(search, e, scatter) }
+        };
         let mut all = vec![Vec::new(); chosen.members.len()];
         // What is least sure of its place first: if another takes it, all comparisons of the other members begin anew.
         for (turn, place) in by_certainty(search, chosen).into_iter().enumerate() {
@@ -58,7 +63,7 @@ pub(crate) fn rivals(
             let mut near = Vec::new();
             let mut better: Option<Explanation> = None;
             for (candidate, rival) in found {
-                let mut wins = merit(search, &rival, scatter) < merit(search, chosen, scatter);
+                let mut wins = merit(search, &rival) < merit(search, chosen);
                 if let Some(held_out) = held_out {
                     let worse = held_out.worse(&rival, chosen)?;
                     if worse > settings.different {
@@ -77,7 +82,7 @@ pub(crate) fn rivals(
                         wins &= !(told_as_well(chosen, &rival, least_share) || structured && gained < inexact);
                     }
                 }
-                if wins && better.as_ref().is_none_or(|b| merit(search, &rival, scatter) < merit(search, b, scatter)) {
+                if wins && better.as_ref().is_none_or(|b| merit(search, &rival) < merit(search, b)) {
                     better = Some(rival.clone());
                 }
                 let own = rest.square() - rival.square();

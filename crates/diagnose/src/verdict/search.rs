@@ -300,7 +300,7 @@ impl<'a> Search<'a> {
     }
 
     /// The problem over some windows, which are added up one after the other.
-    fn linearize(
+    pub(super) fn linearize(
         &self,
         explanation: &Explanation,
         others: Vec<usize>,

@@ -162,6 +162,11 @@ pub(crate) fn merit(search: &Search<'_>, explanation: &Explanation, scatter: &Sc
     scatter.criterion(explanation.square(), explanation.numbers()) + names + unphysical
 }
 
+/// The merit with a price for every parameter that had to leave its tolerance, as for a coefficient.
+pub(crate) fn price(search: &Search<'_>, explanation: &Explanation, scatter: &Scatter, tolerance: f64) -> f64 {
+    merit(search, explanation, scatter) + scatter.price() * explanation.moved_parameters(tolerance) as f64
+}
+
 /// Takes causes out that are not needed once all are there.
 pub(crate) fn backwards(
     search: &mut Search<'_>,

@@ -3,7 +3,7 @@
 use super::explanation::Explanation;
 use super::noise::Scatter;
 use super::search::Search;
-use super::select::{add_all, leading, merit};
+use super::select::{add_all, leading, price};
 use super::stage::Stage;
 use crate::DiagnoseError;
 use crate::settings::DiagnosisSettings;
@@ -60,8 +60,7 @@ pub(crate) fn unnamed(
     let scatter = Scatter::linearized(&closest.alarm, &linearized.scores);
     let Some(best) = leading(search, &tried, &scatter).cloned() else { return Ok(None) };
     let substantial = chosen.square() - best.square() >= limits.substantial * chosen.alarm.excess();
-    let price =
-        |e: &Explanation| merit(search, e, &scatter) + scatter.price() * e.moved_parameters(settings.tolerance) as f64;
-    let better = price(&best) < price(chosen);
+    let better =
+        price(search, &best, &scatter, settings.tolerance) < price(search, chosen, &scatter, settings.tolerance);
     Ok(((substantial || !structured) && better).then_some((best, scatter)))
 }

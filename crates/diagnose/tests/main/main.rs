@@ -13,6 +13,7 @@ mod caveats;
 mod changes;
 mod effort;
 mod extend;
+mod fewest_causes;
 mod force_error;
 mod hidden;
 mod hysteresis;
