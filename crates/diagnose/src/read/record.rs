@@ -177,7 +177,14 @@ fn build(
     };
     // Entries of which a repair speaks are not lost once more.
     let spoken_of = |name: &String| repaired.iter().any(|w| w.marks_as_lost(name));
-    audit.warnings.retain(|w| !matches!(w, Warning::Lost { name, .. } if spoken_of(name)));
+    let inserted: usize = repaired.iter().map(Warning::inserted_rows).sum();
+    audit.warnings.retain_mut(|w| match w {
+        Warning::Lost { name, count, .. } => {
+            *count = count.saturating_sub(inserted);
+            *count > 0 && !spoken_of(name)
+        }
+        _ => true,
+    });
     audit.warnings.splice(0..0, repaired);
     let limits = &settings.limits.consistency;
     audit.warnings.extend(check_rates(origin, &record, system, limits)?);

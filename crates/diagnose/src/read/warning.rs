@@ -171,6 +171,11 @@ impl Warning {
         }
     }
 
+    /// How many rows were put where they are missing: nothing counts as measured there.
+    pub(super) fn inserted_rows(&self) -> usize {
+        if let Warning::MissingRows { count } = self { *count } else { 0 }
+    }
+
     /// How many samples of a column stand alone, if it says so.
     pub(super) fn outliers(&self, column: &str) -> Option<usize> {
         match self {
@@ -185,6 +190,7 @@ impl Warning {
             Warning::Constant { name, value, .. } => format!("`{name}` is {} throughout", readable(*value)),
             Warning::Lost { name, count, samples } => format!("`{name}`: {count} of {samples} values were lost"),
             Warning::Sentinel { name, value, count } => {
+                let value = if value.abs() < 1e10 { value.to_string() } else { readable(*value) };
                 format!("`{name}` is {value} {}, far from all other values", times(*count))
             }
             Warning::Outliers { name, count, samples, at, .. } => {
@@ -286,7 +292,7 @@ impl Warning {
             }
             Warning::Gaps { .. } => "each part is used with its own initial state",
             Warning::Slow { .. } => {
-                "t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples"
+                "right for a slow process; t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples"
             }
             Warning::Unrelated { .. } => "check that these columns belong together and to the same axis",
             Warning::Reversed { .. } => "one of them has the wrong sign",

@@ -75,6 +75,11 @@ impl Report {
                 if gain.equation_error_after.is_none() {
                     self.notes.push(Note::NoForceError);
                 }
+                let wanted = settings.gain.predictions.horizons.iter().copied();
+                let missing: Vec<f64> = wanted.filter(|h| !gain.horizons_s.contains(h)).collect();
+                if !missing.is_empty() {
+                    self.notes.push(Note::HorizonsTooLong(missing));
+                }
                 self.gain = Some(gain);
                 if extended.effects.is_empty() {
                     self.notes.push(Note::OnlyParameters);

@@ -67,6 +67,8 @@ pub enum Note {
     ExtendedModel(OutsideDelay),
     /// Only parameters are wrong, so that the gain compares with the model as given.
     OnlyParameters,
+    /// Horizons that were asked for and are longer than the held-out data, s.
+    HorizonsTooLong(Vec<f64>),
     /// The data are too short to measure the gain on a part of their own.
     TooShortForGain,
     /// What longer windows left unexplained has a cause in these.

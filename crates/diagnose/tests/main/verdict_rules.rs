@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bracketry_diagnose::{
-    DiagnosisSettings, Note, Outcome, Record, RecordSettings, Repetition, Report, Verdict, diagnose,
+    DiagnosisSettings, GainSettings, Note, Outcome, Record, RecordSettings, Repetition, Report, Verdict, diagnose,
 };
 use bracketry_system::System;
 use bracketry_trials::{Slider, SliderSensors};
@@ -75,4 +75,14 @@ fn a_force_that_turns_round_in_the_held_out_run_is_no_cause() {
         other => matches!(other, Outcome::NoGain { .. }),
     };
     assert!(refuted, "{outcome:?}");
+}
+
+#[test]
+fn a_horizon_that_no_prediction_reaches_is_stated() {
+    let (system, record) = pushed("first.csv", 0.6, 2);
+    let settings =
+        DiagnosisSettings { gain: GainSettings::with_horizons(&[0.2, 100.0]), ..DiagnosisSettings::default() };
+    let report = diagnose(&system, &[record], &[], &settings, &mut |_| {}).unwrap();
+    assert_eq!(report.gain.unwrap().horizons_s, [0.2]);
+    assert!(report.notes.contains(&Note::HorizonsTooLong(vec![100.0])), "{:?}", report.notes);
 }

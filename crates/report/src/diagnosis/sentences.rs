@@ -59,9 +59,10 @@ fn outcome(outcome: &Outcome) -> String {
         ),
         Outcome::Explained => "with the named causes, the residual is at noise level".to_owned(),
         Outcome::PartlyExplained { share, size } => format!(
-            "the named causes explain {} of the excess of the refitted model (its squared residual above the noise); \
-             the remaining residual, {size:.2} times the noise, is still structured",
-            most(*share)
+            "what was found explains {} of the excess of the refitted model (its squared residual above the noise); \
+             the remaining residual, {size:.2} times the noise, is {}",
+            most(*share),
+            if *size < 1.05 { "as small as noise but still correlated" } else { "still structured" }
         ),
         Outcome::NotBorneOut { size, share } => format!(
             "the residual of the refitted model is {size:.2} times the noise; effects that explain {} of the excess \
@@ -92,7 +93,7 @@ fn outcome(outcome: &Outcome) -> String {
                 |size| format!("the residual of the refitted model is {size:.2} times the noise"),
             );
             format!(
-                "{as_it_is}; with {}, it is {corrected:.2} times: correct the file, or the model, and repeat the diagnosis",
+                "{as_it_is}; with {}, the residual is {corrected:.2} times the noise: correct the file, or the model, and repeat the diagnosis",
                 read_as(fault)
             )
         }
@@ -230,6 +231,13 @@ pub(super) fn note(note: &Note) -> String {
              fixed = true in the model file, states what is known",
             names.join(", ")
         ),
+        Note::HorizonsTooLong(horizons) => {
+            let horizons: Vec<String> = horizons.iter().map(|h| significant(*h, 3)).collect();
+            format!(
+                "no predictions {} s ahead: the held-out data are shorter; give shorter horizons (--horizon)",
+                horizons.join(" s and ")
+            )
+        }
         Note::Fixed(names) => format!("kept as given, not fitted: {}", names.join(", ")),
         Note::NoInterval(names) => format!(
             "no interval for {}: resampled windows agree more closely than the standard deviation allows, as where the \
@@ -288,6 +296,10 @@ fn rescaled(column: &ScaledColumn, by: Rescaling) -> String {
         Rescaling::Sign => return format!("the other sign of {name}"),
         Rescaling::PowerOfTen(-3) => "thousandths, such as mm or mN".to_owned(),
         Rescaling::PowerOfTen(3) => "thousands, such as km or kN".to_owned(),
+        Rescaling::PowerOfTen(-2) => "hundredths, such as cm or per cent".to_owned(),
+        Rescaling::PowerOfTen(2) => "the model is in hundredths, such as cm or per cent".to_owned(),
+        Rescaling::Unit(OtherUnit::Minutes) => "minutes, or the model is per minute".to_owned(),
+        Rescaling::UnitOfModel(OtherUnit::Minutes) => "it is per minute, or the model is in minutes".to_owned(),
         Rescaling::PowerOfTen(n) => format!("10^{n} of the unit"),
         Rescaling::Unit(unit) => unit_words(unit).to_owned(),
         Rescaling::UnitOfModel(unit) => format!("the model is in {}", unit_words(unit)),
