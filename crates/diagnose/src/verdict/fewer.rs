@@ -8,7 +8,7 @@ use super::select::price;
 use crate::settings::DiagnosisSettings;
 use crate::{DiagnoseError, Estimate, Fit};
 
-/// A smaller explanation that is as good as one of several causes, or of causes with parameters that moved, if there is one.
+/// A smaller explanation that is as good as one of several causes, if there is one; a parameter that has left its tolerance counts as a cause.
 ///
 /// Parameters that are refitted without any cause go where they imitate it best, and from there another set may promise more than the one
 /// cause that explains all, as a constant force and a saturation promise more than a one-sided dead zone. What single causes, and pairs of
@@ -26,7 +26,7 @@ pub(super) fn fewer(
     // Where inputs are motions, whose derivatives the model uses, each of these takes long simulations.
     let cheap = search.study.system().input_derivatives.is_empty();
     let count = |e: &Explanation| e.members.len() + e.moved_parameters(settings.tolerance);
-    if !complete || !cheap || chosen.members.is_empty() || count(chosen) < 2 {
+    if !complete || !cheap || chosen.members.len() < 2 {
         return Ok(None);
     }
     let limits = &settings.verdict.selection;

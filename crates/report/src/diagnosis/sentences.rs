@@ -240,8 +240,7 @@ pub(super) fn note(note: &Note) -> String {
         }
         Note::Fixed(names) => format!("kept as given, not fitted: {}", names.join(", ")),
         Note::NoInterval(names) => format!(
-            "no interval for {}: resampled windows agree more closely than the standard deviation allows, as where the \
-             sum of squares has a kink",
+            "no interval for {}: resampled windows agree more closely than the standard deviation allows",
             names.join(", ")
         ),
         Note::ExtendedModel(delay) => format!("extended model: {delay}"),
