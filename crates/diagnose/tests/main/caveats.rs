@@ -1,6 +1,7 @@
 //! What speaks against a verdict is said: inputs that go on otherwise between samples, other units and signs, runs for validation that
 //! are not predicted, data without motion, dead sensors, another time.
 
+use crate::tier;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -170,7 +171,7 @@ fn columns_that_are_read_wrongly_are_the_verdict() {
     let mut cases: Vec<(Record, Verdict, ColumnFault)> = Vec::new();
     // The unit of a column is times its factor what the model takes it for. The model is linear, so that all measured columns in one unit and
     // the force in the inverse unit are alike.
-    for by in Rescaling::all() {
+    for by in Rescaling::all().step_by(tier::cases(3, 1)) {
         let verdict = if by == Rescaling::Sign { Verdict::WrongSign } else { Verdict::WrongUnit };
         cases.push((times(RUN, "F", 1.0 / by.factor()), verdict, scaled(&force, by)));
         cases.push((times(unseen, "x", 1.0 / by.factor()), verdict, scaled(&x, by)));

@@ -1,5 +1,6 @@
 //! Operating points: found, confirmed exactly where they are simple constants, and honest where there are none.
 
+use crate::tier;
 use bracketry_lie::operating::{LinearModel, Rest, Trim, TrimNote, TrimOptions, TrimStatus};
 use bracketry_lie::trim;
 use bracketry_system::{System, point};
@@ -293,7 +294,7 @@ fn multiple_roots_are_located() {
 /// Regular linear equations with coefficients of very different size in irrational combinations have one solution, and no set of them.
 #[test]
 fn coefficients_of_different_size_make_no_set_of_solutions() {
-    for (large, small) in [("1e9", "1e-9"), ("1e7", "1e-6"), ("1e12", "1e-3")] {
+    for (large, small) in tier::first(2, [("1e9", "1e-9"), ("1e7", "1e-6"), ("1e12", "1e-3")]) {
         for factor in ["sqrt(3)", "(2 + sin(x))", "-exp(1/5)"] {
             let (f, g) = (
                 format!("{large}*(x - sqrt(2))"),
