@@ -15,7 +15,7 @@ pub(super) fn drop_outliers(
     name: &str,
     times: &[f64],
     values: &mut [f64],
-    inputs: &[Vec<f64>],
+    inputs: &[&[f64]],
     noise: f64,
     settings: &OutlierSettings,
 ) -> Option<Warning> {
@@ -39,7 +39,7 @@ pub(super) fn drop_outliers(
 ///
 /// An impulse of an input may be followed by one of the motion: where samples that stand alone are found mainly where inputs jump, those
 /// there are motion.
-fn outliers(times: &[f64], values: &[f64], inputs: &[Vec<f64>], noise: f64, settings: &OutlierSettings) -> Vec<usize> {
+fn outliers(times: &[f64], values: &[f64], inputs: &[&[f64]], noise: f64, settings: &OutlierSettings) -> Vec<usize> {
     let known: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_finite()).collect();
     let least = settings.beyond_noise * noise.max(smallest_step(values) / 12f64.sqrt());
     let step = median(known.windows(2).map(|w| times[w[1]] - times[w[0]]).collect()).unwrap_or(0.0);
@@ -48,6 +48,9 @@ fn outliers(times: &[f64], values: &[f64], inputs: &[Vec<f64>], noise: f64, sett
     let others = Rest { known: rest.known.clone(), ..rest }.take_out(2, true);
     if others.len() <= 2 * found.len() {
         found.extend(others);
+    }
+    if found.is_empty() {
+        return found;
     }
     found.sort_unstable();
     without_answers(found, &jumps(inputs, values.len(), settings))
@@ -143,7 +146,7 @@ fn smallest_step(values: &[f64]) -> f64 {
 }
 
 /// Where an input has changed shortly before by far more than it does around.
-fn jumps(inputs: &[Vec<f64>], count: usize, settings: &OutlierSettings) -> Vec<bool> {
+fn jumps(inputs: &[&[f64]], count: usize, settings: &OutlierSettings) -> Vec<bool> {
     let mut near = vec![false; count];
     for input in inputs {
         let steps: Vec<f64> = input.windows(2).map(|w| (w[1] - w[0]).abs()).collect();

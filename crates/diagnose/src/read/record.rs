@@ -135,10 +135,11 @@ fn build(
     for (column, values) in roles.driving() {
         check_size(origin, &column, values, &roles.rows)?;
     }
-    let driving: Vec<Vec<f64>> = roles.driving().map(|(_, values)| values.clone()).collect();
     let mut measured = Vec::new();
     let mut audits = Vec::new();
-    for (name, quantity, mut values) in std::mem::take(&mut roles.measured) {
+    let columns = std::mem::take(&mut roles.measured);
+    let driving: Vec<&[f64]> = roles.driving().map(|(_, values)| values.as_slice()).collect();
+    for (name, quantity, mut values) in columns {
         for v in &mut values {
             if !v.is_finite() {
                 *v = f64::NAN;

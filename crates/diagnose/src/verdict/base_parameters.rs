@@ -6,11 +6,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::alarm::{Alarm, upper_tail};
 use super::findings::Findings;
-use super::moved_parameters::{acts_on, moved_to};
+use super::moved_parameters::{acts_on, moved_to, parameter_error};
 use super::search::Search;
 use crate::report::{Combination, RefittedParameter, Value};
 use crate::settings::{DiagnosisSettings, StudySettings};
-use crate::{Cause, Estimate, Fit, Formula, NamedCause, Study};
+use crate::{Estimate, Fit, Formula, NamedCause, Study};
 
 /// Sweeps over the parameters in the search for the nearest ones within their tolerances.
 const SWEEPS: usize = 2000;
@@ -78,16 +78,6 @@ pub(super) fn combination_error(
         _ => Formula::from(names.join(", ").as_str()),
     };
     Some(NamedCause {
-        name: Cause::ParameterError,
-        equation: acts_on(system, first.symbol),
-        term,
-        parameters: Named(shown),
-        p_value: Some(p_value),
-        confusable_with: Vec::new(),
-        separating_experiment: String::new(),
-        rivals: Vec::new(),
-        share: None,
-        flags: Vec::new(),
         combination: Some(Combination {
             weights: Named(parts.iter().map(|&j| (parameters[j].name.clone(), weights[j])).collect()),
             change,
@@ -96,6 +86,7 @@ pub(super) fn combination_error(
             as_given: near(&DVector::zeros(count)).map(|(size, _)| size),
             alone: Named(alone),
         }),
+        ..parameter_error(acts_on(system, first.symbol), term, shown, p_value)
     })
 }
 

@@ -183,12 +183,8 @@ fn name_of(system: &System, quantity: Quantity) -> String {
 fn readings(system: &System, record: &Record) -> Vec<Reading> {
     let (measured, inputs) = (record.measured.len(), record.inputs.len());
     let mut all = Vec::new();
-    for by in Rescaling::all() {
-        all.extend((0..measured).map(|c| Reading::Measured(c, by)));
-        all.extend((measured > 1).then_some(Reading::AllMeasured(by)));
-        all.extend((0..inputs).map(|i| Reading::Input(i, by)));
-    }
-    for by in Rescaling::temperatures().filter(|_| may_have_temperatures(system)) {
+    let temperatures = may_have_temperatures(system).then(Rescaling::temperatures);
+    for by in Rescaling::all().chain(temperatures.into_iter().flatten()) {
         all.extend((0..measured).map(|c| Reading::Measured(c, by)));
         all.extend((measured > 1).then_some(Reading::AllMeasured(by)));
         all.extend((0..inputs).map(|i| Reading::Input(i, by)));

@@ -42,21 +42,32 @@ pub(super) fn parameter_errors(
                 return None;
             }
             let shown = Value { value: p.after, std: p.std, interval: None, unit: p.unit.clone() };
-            Some(NamedCause {
-                name: Cause::ParameterError,
-                equation: acts_on(system, known.symbol),
-                term: moved_to(&p.name, p.after),
-                parameters: Named(vec![(p.name.clone(), shown)]),
-                p_value: Some(p_value),
-                confusable_with: Vec::new(),
-                separating_experiment: String::new(),
-                rivals: Vec::new(),
-                share: None,
-                flags: Vec::new(),
-                combination: None,
-            })
+            let term = moved_to(&p.name, p.after);
+            Some(parameter_error(acts_on(system, known.symbol), term, vec![(p.name.clone(), shown)], p_value))
         })
         .collect()
+}
+
+/// Parameters with other values than the model's, as the cause.
+pub(super) fn parameter_error(
+    equation: String,
+    term: Formula,
+    parameters: Vec<(String, Value)>,
+    p_value: f64,
+) -> NamedCause {
+    NamedCause {
+        name: Cause::ParameterError,
+        equation,
+        term,
+        parameters: Named(parameters),
+        p_value: Some(p_value),
+        confusable_with: Vec::new(),
+        separating_experiment: String::new(),
+        rivals: Vec::new(),
+        share: None,
+        flags: Vec::new(),
+        combination: None,
+    }
 }
 
 /// The first state whose equation a parameter stands in.

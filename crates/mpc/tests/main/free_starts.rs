@@ -1,21 +1,8 @@
 //! Initial states that the plan decides on, and states that end where they start.
 
-use crate::common::reports::read_with_model as read;
-use bracketry_mpc::control;
-use bracketry_mpc::problem::{ControlRun, FoundValues};
+use crate::common::reports::{close, read_with_model as read, run_with_found as run};
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-
-fn run(model: &str, text: &str) -> (FoundValues, ControlRun) {
-    let run = control(&read(model, text).unwrap()).unwrap().run;
-    let found = run.report.found.clone().unwrap();
-    assert!(found.converged, "{found:?}");
-    (found, run)
-}
-
-fn close(a: f64, b: f64, tolerance: f64) {
-    assert!((a - b).abs() <= tolerance * b.abs().max(1.0), "{a} is not {b}");
-}
 
 /// x' = A x + B u with two states, the second one's start free; cost Σ dt (x₁² + x₂² + c·x₂ + r u²): the minimum of a quadratic function.
 #[test]

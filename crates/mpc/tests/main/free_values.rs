@@ -1,7 +1,6 @@
 //! Free end times and free parameters: known optima, what the loop makes of them, and what is refused.
 
-use crate::common::reports::read_with_model as read;
-use bracketry_mpc::problem::{ControlRun, FoundValues};
+use crate::common::reports::{close, read_with_model as read, run_with_found as run};
 use bracketry_mpc::{ControlProblem, control};
 use bracketry_system::System;
 
@@ -16,17 +15,6 @@ const DRIFT: &str = r#"
     parameters = { p = 1 }
     dynamics = { x = "p + 0*u" }
 "#;
-
-fn run(model: &str, text: &str) -> (FoundValues, ControlRun) {
-    let run = control(&read(model, text).unwrap()).unwrap().run;
-    let found = run.report.found.clone().unwrap();
-    assert!(found.converged, "{found:?}");
-    (found, run)
-}
-
-fn close(a: f64, b: f64, tolerance: f64) {
-    assert!((a - b).abs() <= tolerance * b.abs().max(1.0), "{a} is not {b}");
-}
 
 #[test]
 fn a_mass_moves_from_rest_to_rest_in_minimum_time() {

@@ -1,6 +1,6 @@
 //! Problems of two texts, and what their runs report.
 
-use bracketry_mpc::problem::{ClosedLoopReport, ProblemError};
+use bracketry_mpc::problem::{ClosedLoopReport, ControlRun, FoundValues, ProblemError};
 use bracketry_mpc::{ControlProblem, control};
 use bracketry_system::System;
 
@@ -39,4 +39,17 @@ pub(crate) fn problem(model: &str, text: &str) -> ControlProblem {
 
 pub(crate) fn run(model: &str, text: &str) -> ClosedLoopReport {
     control(&problem(model, text)).unwrap_or_else(|e| panic!("{e}")).run.report
+}
+
+/// What a problem leaves free, found, and the run with it.
+pub(crate) fn run_with_found(model: &str, text: &str) -> (FoundValues, ControlRun) {
+    let run = control(&read_with_model(model, text).unwrap()).unwrap().run;
+    let found = run.report.found.clone().unwrap();
+    assert!(found.converged, "{found:?}");
+    (found, run)
+}
+
+/// Equal up to a tolerance, relative to numbers beyond 1.
+pub(crate) fn close(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance * b.abs().max(1.0), "{a} is not {b}");
 }
