@@ -188,7 +188,7 @@ fn analyze_on_every_model() {
 
 #[test]
 fn affinize_on_every_model() {
-    on_all_models("affinize", &[]);
+    on_all_models("affinize", &["plate_disk.toml"]);
 }
 
 /// One second with slow sines at all inputs.

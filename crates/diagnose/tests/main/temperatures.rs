@@ -78,7 +78,7 @@ fn another_scale_of_a_column_is_named() {
 /// An offset of a sensor that is no difference of scales stays an offset.
 #[test]
 fn an_offset_is_no_scale() {
-    for (seed, offset) in [(0, 3.0), (1, -12.0), (2, 250.0), (3, 32.0)] {
+    for (seed, offset) in [(0, 250.0), (1, 32.0), (2, -12.0), (3, 3.0)].into_iter().take(tier::cases(2, 4) as usize) {
         let report = heated(seed, "a", |c| c + offset);
         assert_ne!(report.verdict, Verdict::WrongUnit, "{offset}");
     }
