@@ -45,7 +45,10 @@ fn a_loop_applies_the_delay_and_the_controller_knows_it() {
     // Three samples.
     let (left, delayed, notes) = rest(&problem("[delays]\nF = 0.15", ""));
     assert!(left < 1e-3 && delayed > cost, "{left} {delayed} {cost}");
-    assert!(notes.contains("0.15 s (3.00 samples)") && notes.contains("predicts over a delay of 3 samples"), "{notes}");
+    assert!(
+        notes.contains("3.00 samples (a time of 0.15)") && notes.contains("predicts over a delay of 3 samples"),
+        "{notes}"
+    );
     // The same as a loop that delays the inputs itself.
     let (_, same, _) = rest(&problem("", "delay = 3\n"));
     assert!((delayed / same - 1.0).abs() < 1e-3, "{delayed} {same}");

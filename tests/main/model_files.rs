@@ -68,7 +68,7 @@ fn every_key_and_every_function_is_described() {
             keys += 1;
         }
     }
-    assert_eq!(keys, 15 + 6 + 6);
+    assert_eq!(keys, 18 + 6 + 6);
     let functions = REFERENCE.lines().filter(|l| l.starts_with("| functions") || l.starts_with("| dry friction"));
     let functions = functions.collect::<Vec<_>>().concat();
     for name in bracketry::system::RESERVED.iter().filter(|name| !["pi", "der"].contains(name)) {

@@ -29,7 +29,7 @@ pub enum MpcError {
         remedy: &'static str,
     },
     /// A measurement comes at a time at which none can be used.
-    #[error("the measurement at t = {time:?} s cannot be used: {reason}")]
+    #[error("the measurement at t = {time:?} cannot be used: {reason}")]
     Time {
         /// Its time, s.
         time: f64,

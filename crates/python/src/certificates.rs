@@ -69,8 +69,8 @@ pub(crate) fn certify<'py>(
         let proof = found.region.as_ref().and_then(|f| f.proof()).filter(|p| p.level.is_some());
         if let (Some(proof), true) = (proof, system.states.len() > 1) {
             let picture = portrait(&system, proof, [0, 1])?;
-            let name = system.name.clone();
-            figures = figures.with("region", move || region_figure(&name, &picture));
+            let (name, quantities) = (system.name.clone(), system.quantities.clone());
+            figures = figures.with("region", move || region_figure(&name, &quantities, &picture));
         }
         Answer::new(&certification_json(&found), certification_text(&found), figures)
     })?;

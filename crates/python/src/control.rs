@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 use crate::error::Failure;
 use crate::figures::Figures;
 use crate::interrupt::watched;
-use crate::model::Model;
+use crate::model::{Model, titles};
 use crate::tables::{Answer, matrix};
 
 /// Runs the closed loop of a problem file, or of its text with the models that it names.
@@ -57,6 +57,7 @@ pub(crate) fn control<'py>(
     dict.set_item("estimates", matrix(py, &run.estimates, run.estimates.first().map_or(0, Vec::len))?)?;
     dict.set_item("state_names", states)?;
     dict.set_item("input_names", inputs)?;
+    dict.set_item("titles", titles(&problem.plant))?;
     Ok(dict)
 }
 

@@ -40,7 +40,7 @@ pub(crate) fn from_rest<'py>(
         let (system, bounds) = asked(system, at.as_deref(), &bounds)?;
         let options = FromRestOptions { bounds, time_limit, stop: stop.clone() };
         let found = bracketry::steer::from_rest::from_rest(&system, &options)?;
-        Answer::new(&from_rest_json(&found), from_rest_text(&found), Figures::default())
+        Answer::new(&from_rest_json(&found), from_rest_text(&system.quantities, &found), Figures::default())
     })?;
     answer.into_dict(py)
 }
@@ -66,7 +66,7 @@ pub(crate) fn from_rest_map<'py>(
             .map_err(|list: Vec<Interval>| Failure::new(format!("{} axes are given; give two", list.len())))?;
         let map = Arc::new(bracketry::steer::from_rest::from_rest_map(&system, &axes, cells, &options)?);
         let drawn = Arc::clone(&map);
-        let figures = Figures::default().with("map", move || from_rest_map_figure(&drawn));
+        let figures = Figures::default().with("map", move || from_rest_map_figure(&system.quantities, &drawn));
         Answer::new(&from_rest_map_json(&map), from_rest_map_text(&map), figures)
     })?;
     answer.into_dict(py)

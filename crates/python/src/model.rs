@@ -1,5 +1,6 @@
 //! A model: read, written, evaluated.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -147,6 +148,25 @@ impl Model {
         Ok(self.system.to_toml().map_err(Failure::from)?)
     }
 
+    /// The unit of the time.
+    #[getter]
+    fn time_unit(&self) -> &str {
+        self.system.quantities.time_unit.symbol()
+    }
+
+    /// Units of states, inputs, and outputs, where the model states them.
+    #[getter]
+    fn units(&self) -> HashMap<String, String> {
+        let unit = |name: String| Some((name.clone(), self.system.quantities.unit(&name)?.to_owned()));
+        self.system.quantity_names().into_iter().filter_map(unit).collect()
+    }
+
+    /// What stands at the axes of the time, `t`, and of states, inputs, and outputs.
+    #[getter]
+    fn titles(&self) -> HashMap<String, String> {
+        titles(&self.system)
+    }
+
     /// Each state with its time derivative, as text.
     fn equations(&self) -> Vec<(String, String)> {
         let rates = self.system.dynamics.iter().map(|e| self.system.pool.text(*e));
@@ -201,6 +221,13 @@ impl Model {
 }
 
 /// The tape of a cell, compiled when it is first asked for.
+/// What stands at the axes of the time, `t`, and of states, inputs, and outputs.
+pub(crate) fn titles(system: &System) -> HashMap<String, String> {
+    let title = |name: String| (name.clone(), system.quantities.title(&name));
+    let time = ("t".to_owned(), system.quantities.time_title("t"));
+    system.quantity_names().into_iter().map(title).chain([time]).collect()
+}
+
 fn compiled(cell: &OnceLock<Tape>, compile: impl FnOnce() -> Result<Tape, Failure>) -> Result<&Tape, Failure> {
     if let Some(tape) = cell.get() {
         return Ok(tape);

@@ -50,7 +50,8 @@ pub(crate) fn parameter_map<'py>(
         let ranges = ParameterRange::two(&ranges)?;
         let map = Arc::new(bracketry::lie::parameter_map(&system, &ranges, cells, &options)?);
         let drawn = Arc::clone(&map);
-        let figures = Figures::default().with("map", move || parameter_figure(&drawn).draw());
+        let quantities = system.all_quantities();
+        let figures = Figures::default().with("map", move || parameter_figure(&quantities, &drawn).draw());
         Answer::new(&parameter_map_json(&map), parameter_map_text(&map), figures)
     })?;
     answer.into_dict(py)

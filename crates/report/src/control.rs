@@ -9,7 +9,7 @@ use bracketry_mpc::sqp::Hessian;
 use bracketry_mpc::{ControlError, ControlProblem, Controlled, MpcError, Ocp, PlannedTrajectory};
 use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
 use bracketry_sim::Breakdown;
-use bracketry_system::{counted, readable};
+use bracketry_system::{TimeUnit, counted, readable};
 
 use crate::control_signals::{columns, is_tracking, panels, with_references};
 use crate::simulation::{self, friction_bands, friction_colors};
@@ -31,7 +31,11 @@ impl fmt::Display for Text<'_> {
             writeln!(f, "plan           {}, {programs}{exact} in {:.2} s", p.status, p.seconds)?;
         }
         if let Some(found) = &report.found {
-            let end_time = found.end_time.iter().map(|t| ("end time", *t, " s"));
+            let unit = match report.time_unit {
+                TimeUnit::Dimensionless => String::new(),
+                unit => format!(" {}", unit.symbol()),
+            };
+            let end_time = found.end_time.iter().map(|t| ("end time", *t, unit.as_str()));
             let parameters = found.parameters.iter().map(|(name, v)| (name.as_str(), *v, ""));
             let starts = found.initial_states.iter().map(|(name, v)| (name.as_str(), *v, " at the start"));
             let values =
@@ -88,11 +92,11 @@ impl fmt::Display for Text<'_> {
         let s = &report.solve_ms;
         writeln!(
             f,
-            "step time      {:.2} ms median, {:.2} ms 99th percentile, {:.2} ms longest; sampling period {} ms",
+            "step time      {:.2} ms median, {:.2} ms 99th percentile, {:.2} ms longest; sampling period {}",
             s.median,
             s.p99,
             s.max,
-            readable(report.period_ms)
+            period(report.period_ms, report.time_unit)
         )?;
         match report.constraint_violation_max {
             0.0 => write!(f, "bounds         all kept")?,
@@ -103,7 +107,13 @@ impl fmt::Display for Text<'_> {
                 BoundSide::Min => "below its min",
                 BoundSide::Max => "above its max",
             };
-            write!(f, ": `{}` {side} at sample {} (t = {} s)", v.name, v.sample, readable(v.time))?;
+            write!(
+                f,
+                ": `{}` {side} at sample {} (t = {})",
+                v.name,
+                v.sample,
+                report.time_unit.text(readable(v.time))
+            )?;
         }
         writeln!(f)?;
         for r in &report.input_ranges {
@@ -131,6 +141,15 @@ impl fmt::Display for Text<'_> {
             writeln!(f, "note           {said}")?;
         }
         Ok(())
+    }
+}
+
+/// A sampling period in the unit of time of the model, in milliseconds where that is the second.
+fn period(milliseconds: f64, unit: TimeUnit) -> String {
+    match unit.seconds() {
+        None => "of a time without unit".to_owned(),
+        Some(1.0) => format!("{} ms", readable(milliseconds)),
+        Some(seconds) => unit.text(readable(1e-3 * milliseconds / seconds)),
     }
 }
 
@@ -188,13 +207,13 @@ pub fn error(problem: &ControlProblem, error: &ControlError) -> String {
         && let Some(why) = Breakdown::find(&problem.plant, &stop.model, &stop.reason, stop.t, &stop.state)
     {
         let why = simulation::breakdown(&problem.plant, &why);
-        return format!("the plant stopped at t = {time}: {why} (t = {} s)", stop.t);
+        return format!("the plant stopped at t = {time}: {why} (t = {})", stop.t);
     }
     if let ControlError::Mpc(MpcError::Plant { time, source }) = error
         && let Some(PlantEquations { t, failure }) = source.downcast_ref()
     {
         let why = simulation::breakdown(&problem.plant, &Breakdown::NoRoot(*failure));
-        return format!("the plant stopped at t = {time}: {why} (t = {t} s)");
+        return format!("the plant stopped at t = {time}: {why} (t = {t})");
     }
     error.to_string()
 }
@@ -268,8 +287,11 @@ fn rounded(t: f64) -> f64 {
 pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawing, PlotError> {
     let run = &controlled.run.closed_loop;
     let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());
+    let quantities = &problem.plant.quantities;
     let estimated = problem.estimation.is_some();
-    let mut chart = friction_colors(TimeSeries::new()).title(format!("Closed loop, {}", problem.system.name));
+    let mut chart = friction_colors(TimeSeries::new())
+        .title(format!("Closed loop, {}", problem.system.name))
+        .time_label(problem.plant.quantities.time_title("time"));
     for (k, name) in states.iter().enumerate() {
         let values: Vec<f64> = run.x.iter().map(|x| x[k]).collect();
         let label = if estimated {
@@ -279,7 +301,7 @@ pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawi
         } else {
             ""
         };
-        let mut panel = Panel::new(name.clone()).series(Series::new(label, run.t.clone(), values));
+        let mut panel = Panel::new(quantities.title(name)).series(Series::new(label, run.t.clone(), values));
         if estimated {
             let values: Vec<f64> = run.estimates.iter().map(|x| x[k]).collect();
             panel = panel.series(Series::new("estimate", run.t[..values.len()].to_vec(), values).dash(Dash::Dashed));
@@ -296,7 +318,8 @@ pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawi
         chart = chart.panel(panel);
     }
     for (k, name) in inputs.iter().enumerate() {
-        let mut panel = Panel::new(format!("input {name}")).series(held(&run.t, run.u.iter().map(|u| u[k])));
+        let mut panel =
+            Panel::new(format!("input {}", quantities.title(name))).series(held(&run.t, run.u.iter().map(|u| u[k])));
         panel = with_references(panel, problem, &run.t, name);
         let (min, max) = problem.ocp.input_bounds[k];
         for bound in [min, max].into_iter().filter(|b| b.is_finite()) {

@@ -6,6 +6,7 @@ use std::ops::{Bound, RangeBounds};
 use bracketry_symbolic::{Expr, Node, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
+use crate::quantities::TimeUnit;
 use crate::rules::{Declared, ModelError, check_parameter, check_range};
 use crate::scope::{Derivatives, Scope};
 use crate::system::{InputDelay, InputRange, Parameter, Point, StaticLevel, System};
@@ -132,13 +133,27 @@ impl Builder {
         term
     }
 
-    /// Unit and description of a parameter.
-    pub fn describe(&self, parameter: Term<'_>, unit: &str, about: &str) {
-        let symbol = self.symbol(parameter);
-        match self.draft.borrow_mut().system.parameters.iter_mut().find(|p| Some(p.symbol) == symbol) {
-            Some(p) => (p.unit, p.about) = (Some(unit.to_owned()), Some(about.to_owned())),
-            None => self.refuse(format!("`{parameter}` is not a parameter"), "describe parameters"),
+    /// Unit and description of a parameter, a state, or an input, which reports and figures show.
+    pub fn describe(&self, term: Term<'_>, unit: &str, about: &str) {
+        let symbol = self.symbol(term);
+        let system = &mut self.draft.borrow_mut().system;
+        if let Some(p) = system.parameters.iter_mut().find(|p| Some(p.symbol) == symbol) {
+            (p.unit, p.about) = (Some(unit.to_owned()), Some(about.to_owned()));
+        } else if system.states.iter().chain(&system.inputs).any(|s| Some(*s) == symbol) {
+            let name = term.to_string();
+            system.quantities.set_unit(&name, unit);
+            system.quantities.set_label(&name, about);
+        } else {
+            self.refuse(
+                format!("`{term}` is neither a parameter nor a state nor an input"),
+                "describe parameters, states, and inputs",
+            );
         }
+    }
+
+    /// The unit of the time in the equations; seconds where none is stated.
+    pub fn time_unit(&self, unit: TimeUnit) {
+        self.draft.borrow_mut().system.quantities.time_unit = unit;
     }
 
     /// The values that an input or a parameter can take, ends included: `b.range(u, -1.0..=1.0)`, `b.range(u, 0.0..)`.

@@ -11,14 +11,16 @@ use crate::constants::Constants;
 use crate::discrete_time::discrete_period;
 use crate::implicit::{MassMatrix, algebraic_equations, algebraic_names, eliminate_algebraic, smooth_beside_algebraic};
 use crate::input_delay::read_input_delays;
+use crate::quantities::read_quantities;
 use crate::rules::{Declared, check_parameter, check_range};
 use crate::scope::{Derivatives, Scope};
 use crate::static_level::read_static_levels;
 use crate::system::{InputRange, Parameter, Point, System};
 
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 18] = [
     "name",
     "time",
+    "time_unit",
     "period",
     "states",
     "inputs",
@@ -32,6 +34,8 @@ const KEYS: [&str; 15] = [
     "outputs",
     "static",
     "point",
+    "units",
+    "labels",
 ];
 const PARAMETER_KEYS: [&str; 6] = ["value", "unit", "min", "max", "fixed", "about"];
 
@@ -172,6 +176,7 @@ impl<'d> Reader<'d> {
             mass.solve(doc, &mut system)?;
         }
         eliminate_algebraic(doc, &equations, self.accepted.algebraic, &mut plain, &mut system)?;
+        read_quantities(doc, &table, &mut system)?;
         if !system.algebraic.is_empty() {
             smooth_beside_algebraic(doc, &table, &system)?;
         }

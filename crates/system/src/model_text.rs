@@ -3,6 +3,7 @@
 use bracketry_symbolic::{Expr, Rational};
 use serde::Serialize;
 
+use crate::quantities::TimeUnit;
 use crate::system::System;
 
 /// A system that cannot be written as a model file.
@@ -29,6 +30,8 @@ struct Plain {
     time: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     period: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_unit: Option<&'static str>,
     states: Vec<String>,
     inputs: Vec<String>,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
@@ -46,6 +49,10 @@ struct Plain {
     static_levels: toml::Table,
     #[serde(skip_serializing_if = "Option::is_none")]
     point: Option<toml::Table>,
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    units: toml::Table,
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    labels: toml::Table,
 }
 
 impl System {
@@ -127,10 +134,18 @@ impl System {
             let entries: toml::Table = entries.into_iter().map(|(k, e)| (k.to_owned(), text(e))).collect();
             (self.pool.name(z.symbol).to_owned(), toml::Value::Table(entries))
         });
+        let quantities = &self.quantities;
+        let stated = |what: &dyn Fn(&str) -> Option<String>| -> toml::Table {
+            self.quantity_names()
+                .into_iter()
+                .filter_map(|n| Some((n.clone(), toml::Value::String(what(&n)?))))
+                .collect()
+        };
         Plain {
             name: self.name.clone(),
             time: self.period.map(|_| "discrete"),
             period: self.period,
+            time_unit: (quantities.time_unit != TimeUnit::Second).then(|| quantities.time_unit.symbol()),
             algebraic: algebraic.collect(),
             states: self.state_names(),
             inputs: self.input_names(),
@@ -141,6 +156,8 @@ impl System {
             outputs: self.outputs.iter().map(|(n, e)| (n.clone(), text(*e))).collect(),
             static_levels: static_levels.collect(),
             point,
+            units: stated(&|n| quantities.unit(n).map(str::to_owned)),
+            labels: stated(&|n| quantities.label(n).map(str::to_owned)),
         }
     }
 }

@@ -4,6 +4,8 @@ use bracketry_files::{Document, FileError};
 use bracketry_symbolic::{CompileError, Expr, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
+use crate::quantities::Quantities;
+
 /// A named constant of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
@@ -160,6 +162,8 @@ pub struct System {
     pub static_levels: Vec<StaticLevel>,
     /// Where local statements are made.
     pub point: Option<Point>,
+    /// Units and labels, which reports and figures show.
+    pub quantities: Quantities,
 }
 
 impl System {

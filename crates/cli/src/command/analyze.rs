@@ -246,7 +246,7 @@ fn cells(system: &System, map: &str, args: &AnalyzeArgs, output: &CommonArgs) ->
         folder(dir)?;
         write(&dir.join("parameter_map.txt"), &text)?;
         write(&dir.join("parameter_map.json"), &value)?;
-        figure(parameter_figure(&found).draw(), &dir.join("parameter_map"));
+        figure(parameter_figure(&system.all_quantities(), &found).draw(), &dir.join("parameter_map"));
     }
     print(if output.json { &value } else { &text })?;
     Ok(if found.report.is_complete() { Outcome::Done } else { Outcome::Negative })

@@ -114,7 +114,7 @@ fn control_live(mut controller: LiveController, args: &ControlArgs, output: &Com
         folder(dir)?;
         controller.keep_log(KEPT);
     }
-    let period_ms = 1e3 * controller.period();
+    let period_ms = 1e3 * controller.period_seconds();
     let limits = Limits { deadline: args.deadline, timeout: args.timeout, heartbeat: args.heartbeat };
     let ended = serve(controller, std::io::stdin(), std::io::stdout(), wait_until_closed, limits)?;
     if let (Some(dir), Some(log)) = (&output.out, &ended.log) {

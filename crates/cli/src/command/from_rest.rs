@@ -39,12 +39,12 @@ pub(crate) fn run(system: &System, args: &Request<'_>, output: &CommonArgs) -> a
     let progress = spinner("friction cones and loops");
     let found = from_rest(system, &options).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();
-    let (text, value) = (from_rest_text(&found), json(&from_rest_json(&found))?);
+    let (text, value) = (from_rest_text(&system.quantities, &found), json(&from_rest_json(&found))?);
     if let Some(dir) = &output.out {
         folder(dir)?;
         write(&dir.join("from_rest.txt"), &text)?;
         write(&dir.join("from_rest.json"), &value)?;
-        for (name, drawing) in from_rest_cones(&found) {
+        for (name, drawing) in from_rest_cones(&system.quantities, &found) {
             figure(drawing, &dir.join(format!("displacements_{name}")));
         }
     }
@@ -71,7 +71,7 @@ fn cells(
         folder(dir)?;
         write(&dir.join("from_rest_map.txt"), &text)?;
         write(&dir.join("from_rest_map.json"), &value)?;
-        figure(from_rest_map_figure(&found), &dir.join("from_rest_map"));
+        figure(from_rest_map_figure(&system.quantities, &found), &dir.join("from_rest_map"));
     }
     print(if output.json { &value } else { &text })?;
     Ok(if found.is_complete() { Outcome::Done } else { Outcome::Negative })

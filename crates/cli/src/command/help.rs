@@ -71,5 +71,5 @@ pub(crate) const WRITTEN: (&str, &str) =
 /// What numbers are measured in.
 pub(crate) const UNITS: (&str, &str) = (
     "Units",
-    "Time is in seconds. All other quantities are in the units of the model file. If its equations use another unit of time, such as hours, times are in that unit but printed as seconds.",
+    "All quantities are in the units of the model file. Time is in seconds, unless the model file states another time_unit, such as \"h\". Limits of computing time are in seconds always.",
 );

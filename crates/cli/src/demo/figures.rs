@@ -184,7 +184,7 @@ impl Story {
         first.push(figure(
             "from_rest_map",
             caption,
-            bracketry::report::from_rest::from_rest_map_figure(&self.from_rest),
+            bracketry::report::from_rest::from_rest_map_figure(&self.published.quantities, &self.from_rest),
         ));
         let m = &self.on_equations;
         let second = vec![

@@ -4,7 +4,7 @@ use bracketry_numerics::statistics::extremes;
 use std::fmt;
 
 use bracketry_sim::Hold;
-use bracketry_system::{counted, readable};
+use bracketry_system::{TimeUnit, counted, readable};
 use serde::Serialize;
 
 use super::clock::Clock;
@@ -136,6 +136,9 @@ fn saturated(values: &[f64], min: f64, max: f64, flat: usize) -> Option<usize> {
 /// What was found in the data of one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Audit {
+    /// The unit of the time of the model.
+    #[serde(skip_serializing_if = "TimeUnit::is_second")]
+    pub time_unit: TimeUnit,
     /// Name of the run: the file.
     pub name: String,
     /// Number of samples.
@@ -163,6 +166,7 @@ impl Audit {
         clock: &Clock,
         columns: Vec<ColumnAudit>,
         ignored: Vec<String>,
+        time_unit: TimeUnit,
         settings: &ReadSettings,
     ) -> Self {
         let samples = times.len();
@@ -175,10 +179,12 @@ impl Audit {
             let after = clock.gaps.iter().take(5).map(|k| times[*k]).collect();
             warnings.push(Warning::Gaps { count: clock.gaps.len(), after });
         }
-        if clock.step >= 1.0 {
+        // Only seconds can be taken for counts of samples or milliseconds.
+        if clock.step >= 1.0 && time_unit.is_second() {
             warnings.push(Warning::Slow { step: clock.step });
         }
         Self {
+            time_unit,
             name: name.to_owned(),
             samples,
             duration: times[samples - 1] - times[0],
@@ -195,8 +201,13 @@ impl Audit {
 impl fmt::Display for Audit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let samples = counted(self.samples, "sample", "samples");
-        let (duration, rate) = (readable(self.duration), readable(1.0 / self.step));
-        writeln!(f, "{}: {samples} over {duration} s, {rate} per second", self.name)?;
+        let (duration, rate) = (self.time_unit.text(readable(self.duration)), readable(1.0 / self.step));
+        let (per, frequency) = match self.time_unit {
+            TimeUnit::Second => ("second", "Hz".to_owned()),
+            TimeUnit::Dimensionless => ("unit of time", String::new()),
+            unit => (unit.symbol(), format!("1/{}", unit.symbol())),
+        };
+        writeln!(f, "{}: {samples} over {duration}, {rate} per {per}", self.name)?;
         let width = self.columns.iter().map(|c| c.name.chars().count()).max().unwrap_or(0);
         for c in &self.columns {
             write!(f, "  {:width$}  from {} to {}, ", c.name, significant(c.min, 5), significant(c.max, 5))?;
@@ -206,7 +217,7 @@ impl fmt::Display for Audit {
                 (_, _, Some(bandwidth)) if 2.0 * bandwidth * self.step >= 1.0 => {
                     write!(f, "by a spline through the samples")?;
                 }
-                (_, _, Some(bandwidth)) => write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} Hz")?,
+                (_, _, Some(bandwidth)) => write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} {frequency}")?,
                 (_, Some(true), _) => write!(f, "input, linear interpolation between samples")?,
                 _ => write!(f, "input, held between samples")?,
             }

@@ -166,7 +166,8 @@ fn build(
     }
     let driving = Driving::of(origin, roles.inputs, roles.derivatives, &roles.times, &clock.gaps, system, settings)?;
     audits.extend(driving.audits);
-    let mut audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored, &settings.limits);
+    let mut audit =
+        Audit::new(origin.name, &roles.times, &clock, audits, ignored, system.quantities.time_unit, &settings.limits);
     let mut record = Record {
         name: origin.name.to_owned(),
         times: roles.times,

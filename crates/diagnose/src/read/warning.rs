@@ -196,7 +196,7 @@ impl Warning {
             Warning::Outliers { name, count, samples, at, .. } => {
                 let at: Vec<String> = at.iter().map(|t| readable(*t)).collect();
                 format!(
-                    "`{name}`: {} of {samples} {} alone, far from {} neighbors, first at t = {} s",
+                    "`{name}`: {} of {samples} {} alone, far from {} neighbors, first at t = {}",
                     count,
                     if *count == 1 { "value stands" } else { "values stand" },
                     if *count == 1 { "its" } else { "their" },
@@ -231,12 +231,12 @@ impl Warning {
             }
             Warning::Noisy { name } => format!("`{name}` is mostly noise"),
             Warning::Correlated { name, time } => {
-                format!("the noise of `{name}` is correlated over about {time:.2e} s")
+                format!("the noise of `{name}` is correlated over a time of about {time:.2e}")
             }
             Warning::Uneven { jitter } => format!("the steps in time vary by {:.0} %", 100.0 * jitter),
             Warning::Gaps { count, after } => {
                 let at: Vec<String> = after.iter().map(ToString::to_string).collect();
-                format!("{} in time: the run continues at t = {} s", counted(*count, "gap", "gaps"), at.join(", "))
+                format!("{} in time: the run continues at t = {}", counted(*count, "gap", "gaps"), at.join(", "))
             }
             Warning::Slow { step } => format!("the samples are {step} s apart"),
             Warning::Unrelated { name, rate, correlation } => {

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use bracketry_symbolic::Named;
+use bracketry_system::Quantities;
 use serde::Serialize;
 
 use super::columns::{ColumnFault, Rescaling};
@@ -212,6 +213,8 @@ pub struct Excess {
 pub struct Report {
     /// Name of the model.
     pub model: String,
+    /// Units and labels of the model.
+    pub quantities: Quantities,
     /// How it ended.
     pub verdict: Verdict,
     /// Why.

@@ -45,6 +45,7 @@ pub(super) fn uninformative(system: &System, records: &[Record]) -> Report {
 pub(super) fn without_findings(system: &System) -> Report {
     Report {
         model: system.name.clone(),
+        quantities: system.quantities.clone(),
         verdict: Verdict::Uninformative,
         reason: VerdictReason { outcome: Outcome::Explained, caveats: Vec::new() },
         causes: Vec::new(),

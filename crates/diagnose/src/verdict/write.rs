@@ -63,6 +63,7 @@ pub(super) fn report(
     let extended = verdict.extends_the_model().then_some(&findings.chosen);
     Report {
         model: system.name.clone(),
+        quantities: system.quantities.clone(),
         verdict,
         reason: reason(findings, &causes),
         places: Vec::new(),

@@ -122,7 +122,7 @@ impl Plant for ExactPlant {
 
 /// A plant whose algebraic equations have no solution.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
-#[error("the algebraic equations of the plant could not be solved (equation {}, residual {}) at t = {t} s", failure.equation + 1, failure.residual)]
+#[error("the algebraic equations of the plant could not be solved (equation {}, residual {}) at t = {t}", failure.equation + 1, failure.residual)]
 pub struct PlantEquations {
     /// When, s.
     pub t: f64,
@@ -132,7 +132,7 @@ pub struct PlantEquations {
 
 /// A simulated plant that cannot go on.
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("{reason} (t = {t} s)")]
+#[error("{reason} (t = {t})")]
 pub struct PlantStopped {
     /// Why.
     pub reason: StopReason,

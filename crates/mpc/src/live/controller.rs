@@ -394,9 +394,14 @@ impl LiveController {
         &self.problem
     }
 
-    /// Sampling period, s.
+    /// Sampling period in the unit of time of the model.
     pub fn period(&self) -> f64 {
         self.problem.ocp.dt
+    }
+
+    /// Sampling period, s; infinite where the time of the model has no unit.
+    pub fn period_seconds(&self) -> f64 {
+        self.problem.period_seconds()
     }
 
     /// Samples between a measurement and the input that answers it that the controller predicts over.

@@ -104,6 +104,11 @@ impl ControlProblem {
         if self.smoothing.is_empty() { self.method.widths().to_vec() } else { self.smoothing.clone() }
     }
 
+    /// The sampling period, s; infinite where the time of the model has no unit, so that nothing is late.
+    pub fn period_seconds(&self) -> f64 {
+        self.system.quantities.time_unit.seconds().map_or(f64::INFINITY, |seconds| seconds * self.ocp.dt)
+    }
+
     /// Lets an estimator make states of what is measured. Parameters and disturbances that it estimates are given to the controller's
     /// model at every sample.
     ///

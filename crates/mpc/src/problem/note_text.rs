@@ -11,7 +11,7 @@ use std::fmt;
 
 impl fmt::Display for FirstSample {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "at sample {} (t = {} s)", self.index, readable(self.time))
+        write!(f, "at sample {} (t = {})", self.index, readable(self.time))
     }
 }
 
@@ -39,7 +39,7 @@ impl fmt::Display for Note {
             ),
             Note::PlantRefined(Refined { sample, time, substeps, error }) => write!(
                 f,
-                "the plant is simulated with error control from sample {sample} (t = {} s) on: {} {}",
+                "the plant is simulated with error control from sample {sample} (t = {}) on: {} {}",
                 readable(*time),
                 counted(*substeps, "Runge–Kutta step", "Runge–Kutta steps"),
                 if error.is_finite() {
@@ -51,7 +51,7 @@ impl fmt::Display for Note {
             Note::Eliminated(what) => write!(f, "{what}"),
             Note::Delays { longest, samples, compensated } => write!(
                 f,
-                "the plant's inputs act up to {} s ({samples:.2} samples) later than commanded; the controller \
+                "the plant's inputs act up to {samples:.2} samples (a time of {}) later than commanded; the controller \
                  predicts over a delay of {}",
                 readable(*longest),
                 counted(*compensated, "sample", "samples")
@@ -64,7 +64,7 @@ impl fmt::Display for Note {
             ),
             Note::TableEnds { name, last, end } => write!(
                 f,
-                "the table of `{name}` ends at t = {} s, and the run at t = {} s: the last value is held afterwards",
+                "the table of `{name}` ends at t = {}, and the run at t = {}: the last value is held afterwards",
                 readable(*last),
                 readable(*end)
             ),
@@ -77,7 +77,8 @@ impl fmt::Display for Note {
             ),
             Note::LongInterval { dt, time_constant } => write!(
                 f,
-                "an interval of {} s is {} times as long as the time constant of the model's motion, {} s: is dt in seconds?",
+                "an interval of {} is {} times as long as the time constant of the model's motion, {}: is dt in the unit of time of \
+                 the model?",
                 readable(*dt),
                 readable((dt / time_constant).round()),
                 readable(*time_constant)
@@ -96,7 +97,7 @@ impl fmt::Display for Note {
             ),
             Note::TargetsLater { run, horizon, reached } => write!(
                 f,
-                "the run of {} s ends before the horizon of {} s, at whose end the targets are{}",
+                "the run ends at t = {}, before the horizon, at whose end, t = {}, the targets are{}",
                 readable(*run),
                 readable(*horizon),
                 if *reached { "; the plan reaches them" } else { "" }

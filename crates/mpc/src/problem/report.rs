@@ -11,6 +11,7 @@ use crate::controller::SolverEffort;
 use crate::ocp::BoundSide;
 use crate::sqp::{Hessian, Solution};
 use bracketry_symbolic::Named;
+use bracketry_system::TimeUnit;
 use serde::Serialize;
 
 /// The plan that was made before the run.
@@ -104,8 +105,11 @@ pub struct ClosedLoopReport {
     pub solve_ms: SolveTimes,
     /// Samples that took longer than the sampling period.
     pub late: LateSamples,
-    /// Sampling period, ms.
+    /// Sampling period, ms; infinite where the time of the model has no unit.
     pub period_ms: f64,
+    /// The unit of all other times.
+    #[serde(skip_serializing_if = "TimeUnit::is_second")]
+    pub time_unit: TimeUnit,
     /// Largest violation of a bound or named constraint, each in its own unit.
     pub constraint_violation_max: f64,
     /// Which one it is, and where; none where all are kept.

@@ -117,7 +117,8 @@ impl ControlProblem {
             effort: plan.iter().map(Solution::effort).chain(run.steps.iter().map(|s| s.effort)).sum(),
             solve_ms: run.times,
             late: self.late_samples(&run),
-            period_ms: 1e3 * self.ocp.dt,
+            period_ms: 1e3 * self.period_seconds(),
+            time_unit: self.system.quantities.time_unit,
             constraint_violation_max: violation.map_or(0.0, |v| v.by),
             constraint_violation_at: violation.map(|v| self.violated(&v, &constraints, run.t[v.sample])),
             input_ranges: self.kept_ranges(),
@@ -154,7 +155,7 @@ impl ControlProblem {
     /// Samples that took longer than the sampling period.
     fn late_samples(&self, run: &ClosedLoop) -> LateSamples {
         let mut late = LateSamples::default();
-        run.steps.iter().for_each(|step| late.add(step.timings.total(), self.ocp.dt));
+        run.steps.iter().for_each(|step| late.add(step.timings.total(), self.period_seconds()));
         late
     }
 

@@ -309,7 +309,7 @@ fn a_cost_that_is_not_a_number_solves_nothing() {
         assert_eq!(report.status.reasons.total(), 60);
         assert!(!report.succeeded);
         let said = told(&report);
-        assert!(said.contains("the stage cost is not finite at sample 0 (t = 0 s)"), "{said}");
+        assert!(said.contains("the stage cost is not finite at sample 0 (t = 0)"), "{said}");
         assert!(said.contains("60 × fallback, first at sample 0"), "{said}");
     }
 }
@@ -318,7 +318,7 @@ fn a_cost_that_is_not_a_number_solves_nothing() {
 fn the_report_says_why_samples_were_not_solved() {
     let (report, _, _) = run(&format!("{PROBLEM}faults = [{{ at = 3, until = 5, lost = true }}]\n"));
     let said = told(&report);
-    assert!(said.contains("3 × fallback, first at sample 3 (t = 0.3 s): the measurement is missing"), "{said}");
+    assert!(said.contains("3 × fallback, first at sample 3 (t = 0.3): the measurement is missing"), "{said}");
     let (report, _, _) = run(&with("x = { max = -1, hard = true }", "[solve]"));
     let said = told(&report);
     assert!(said.contains("infeasible: a hard bound cannot be kept"), "{said}");

@@ -95,7 +95,7 @@ def control(
     data = parsed(answer["json"])
     lost = np.flatnonzero(~np.isfinite(answer["states"]).all(axis=1))
     if lost.size:
-        warnings.warn(f"the plant ended early, at t = {answer['t'][lost[0]]:.6g} s: see `notes`", RuntimeWarning, stacklevel=2)
+        warnings.warn(f"the plant ended early, at t = {answer['t'][lost[0]]:.6g}: see `notes`", RuntimeWarning, stacklevel=2)
     return result_of(
         ClosedLoop,
         data,
@@ -111,6 +111,7 @@ def control(
         estimates=answer["estimates"],
         state_names=answer["state_names"],
         input_names=answer["input_names"],
+        titles=answer["titles"],
     )
 
 

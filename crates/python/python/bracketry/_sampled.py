@@ -16,7 +16,7 @@ from ._tables import Floats, csv_text
 class Sampled(Result):
     """What was sampled along a run. ``run["x"]`` is a column by name, ``run["t"]`` the times."""
 
-    #: Times in seconds, shape (k,).
+    #: Times in the unit of time of the model, seconds unless it states another, shape (k,).
     t: Floats = field(repr=False)
     #: States at these times, shape (k, n).
     states: Floats = field(repr=False)
@@ -24,6 +24,8 @@ class Sampled(Result):
     inputs: Floats = field(repr=False)
     state_names: list[str] = field(repr=False)
     input_names: list[str] = field(repr=False)
+    #: What stands at the axis of a column: name and, where the model states them, label and unit.
+    titles: dict[str, str] = field(repr=False, default_factory=dict)
 
     def _blocks(self) -> list[tuple[list[str], Floats]]:
         """Names with their columns, block by block."""
@@ -80,7 +82,7 @@ class Sampled(Result):
         for axis, name in zip(axes[:, 0], shown, strict=True):
             column = self[name]
             axis.plot(self.t[: len(column)], column)
-            axis.set_ylabel(name)
+            axis.set_ylabel(self.titles.get(name, name))
             axis.grid(visible=True, alpha=0.3)
-        axes[-1, 0].set_xlabel("t [s]")
+        axes[-1, 0].set_xlabel(self.titles.get("t", "t"))
         return figure

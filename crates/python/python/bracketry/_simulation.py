@@ -235,6 +235,7 @@ def _run(
         state_names=system.states,
         input_names=system.inputs,
         output_names=system.outputs,
+        titles=system._model.titles,
         events=[Event(e["t"], e["switch"], e["from"], e["to"]) for e in data["events"]],
         x_final={name: real(value) for name, value in data["x_final"].items()},
     )

@@ -64,6 +64,12 @@ class System:
         Seconds by which inputs act later than they are commanded; numbers or expressions of parameters.
     static
         Ratios of static to sliding friction, by argument of ``sign`` or ``unit``.
+    units
+        Units of states, inputs, and outputs, by name, as free text. Axes and reports show them.
+    labels
+        The same in words, such as "angle of the pole".
+    time_unit
+        The unit of the time in the equations: "s", "min", "h", …; "1" for time without a unit.
     name
         What the model is called.
 
@@ -86,6 +92,9 @@ class System:
         ranges: Mapping[Any, Any] | None = None,
         delays: Mapping[Any, Any] | None = None,
         static: Mapping[str, Any] | None = None,
+        units: Mapping[Any, str] | None = None,
+        labels: Mapping[Any, str] | None = None,
+        time_unit: str = "s",
         name: str = "model",
     ) -> None:
         state_names = [name_of(s, "states") for s in listed(states, "states")]
@@ -104,6 +113,8 @@ class System:
             f"states = {toml_value(state_names, 'states')}",
             f"inputs = {toml_value(input_names, 'inputs')}",
         ]
+        if time_unit != "s":
+            lines.append(f"time_unit = {string(time_unit)}")
 
         def table(title: str, entries: Mapping[Any, Any] | None, write: Any) -> None:
             # An empty point is the origin.
@@ -121,6 +132,8 @@ class System:
         table("delays", delays, _expression)
         table("static", static, _expression)
         table("point", point, _expression)
+        table("units", units, lambda value, _: string(str(value)))
+        table("labels", labels, lambda value, _: string(str(value)))
         self._model = Model.parse(f"System({name})", "\n".join(lines) + "\n", name)
 
     @classmethod
@@ -164,6 +177,16 @@ class System:
     def outputs(self) -> list[str]:
         """Names of the outputs, in order."""
         return self._model.outputs
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of states, inputs, and outputs by name, as far as the model states them."""
+        return self._model.units
+
+    @property
+    def time_unit(self) -> str:
+        """The unit of the time in the equations; "1" for time without a unit."""
+        return self._model.time_unit
 
     @property
     def input_derivatives(self) -> list[tuple[str, int]]:

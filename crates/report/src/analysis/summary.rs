@@ -35,7 +35,8 @@ fn about_delays(a: &Analysis) -> Option<String> {
     if a.input_delays.is_empty() {
         return None;
     }
-    let list: Vec<String> = a.input_delays.iter().map(|(name, d)| format!("{name} by {d} s")).collect();
+    let unit = a.affinization.system.quantities.time_unit;
+    let list: Vec<String> = a.input_delays.iter().map(|(name, d)| format!("{name} by {}", unit.text(d))).collect();
     Some(format!(
         "Inputs act later than they are commanded ({}). All statements refer to the inputs as they arrive: ranks and \
          dimensions do not change, and the inputs reach the same sets, only later by the delay. State feedback, as for \

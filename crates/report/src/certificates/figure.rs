@@ -2,6 +2,7 @@
 
 use bracketry_certify::Portrait;
 use bracketry_plot::{Color, Drawing, Panel, PlotError, Series, XyChart};
+use bracketry_system::Quantities;
 
 fn columns(points: &[[f64; 2]]) -> (Vec<f64>, Vec<f64>) {
     points.iter().map(|p| (p[0], p[1])).unzip()
@@ -11,8 +12,8 @@ fn columns(points: &[[f64; 2]]) -> (Vec<f64>, Vec<f64>) {
 ///
 /// # Errors
 /// [`PlotError`] for numbers that no axis holds.
-pub fn region_figure(title: &str, portrait: &Portrait) -> Result<Drawing, PlotError> {
-    let mut panel = Panel::new(portrait.axes[1].clone());
+pub fn region_figure(title: &str, quantities: &Quantities, portrait: &Portrait) -> Result<Drawing, PlotError> {
+    let mut panel = Panel::new(quantities.title(&portrait.axes[1]));
     for (k, motion) in portrait.motions.iter().enumerate() {
         let (x, y) = columns(motion);
         let name = if k == 0 { "simulated motions" } else { "" };
@@ -26,5 +27,5 @@ pub fn region_figure(title: &str, portrait: &Portrait) -> Result<Drawing, PlotEr
     }
     let center = Series::new("equilibrium", vec![portrait.center[0]], vec![portrait.center[1]]);
     panel = panel.series(center.color(Color::INK).points()).height(520.0);
-    XyChart::new(portrait.axes[0].clone(), panel).title(title).draw()
+    XyChart::new(quantities.title(&portrait.axes[0]), panel).title(title).draw()
 }

@@ -3,6 +3,8 @@
 use bracketry_diagnose::{Cause, ForceResidual, HeldOut, Place, Predicted, Report, ResidualAcceleration};
 use bracketry_plot::{BarChart, Color, IntervalChart, Panel, Role, Series, TimeSeries, XyChart};
 
+use bracketry_system::Quantities;
+
 use super::Diagnosis;
 use super::sentences::brief;
 use crate::html::Figure;
@@ -40,8 +42,8 @@ impl Diagnosis {
         if let Some(held_out) = &self.report.evidence.held_out {
             // Without causes, the model as given stands where the extended one would.
             let shown = if self.report.evidence.extended.is_some() { [1, 2] } else { [0, 1] };
-            figures.extend(prediction(held_out, shown));
-            figures.extend(forces(held_out, shown));
+            figures.extend(prediction(&self.report.quantities, held_out, shown));
+            figures.extend(forces(&self.report.quantities, held_out, shown));
         }
         figures.extend(self.places());
         figures.extend(self.over_time());
@@ -67,11 +69,14 @@ impl Diagnosis {
         }
         let first = *shown.first()?;
         let title = "Residual of the refitted model's equations over time";
-        let mut chart = TimeSeries::new().title(title);
+        let mut chart = TimeSeries::new().title(title).time_label(self.report.quantities.time_title("time"));
         for r in shown.iter().take(MOST_COLUMNS) {
             let missing =
                 Series::new("measured − modeled", r.times.clone(), r.values.clone()).color(Role::Refitted.color());
-            let panel = Panel::new(format!("missing in {0}′ [unit of {0}/s]", r.equation));
+            let quantities = &self.report.quantities;
+            let unit = quantities.unit_of_derivative(&r.equation, 1);
+            let unit = unit.unwrap_or_else(|| format!("unit of {}/{}", r.equation, quantities.time_unit.symbol()));
+            let panel = Panel::new(format!("missing in {}′ [{unit}]", r.equation));
             chart = chart.panel(
                 panel
                     .series(missing)
@@ -138,9 +143,10 @@ impl Diagnosis {
     }
 
     fn gain(&self) -> Option<Figure> {
+        let time = self.report.quantities.time_unit;
         let gain = self.report.gain.as_ref().filter(|g| !g.horizons_s.is_empty())?;
         let percent = |list: &[f64]| list.iter().map(|v| 100.0 * v).collect::<Vec<_>>();
-        let names = gain.horizons_s.iter().map(|h| format!("{h} s"));
+        let names = gain.horizons_s.iter().map(|h| time.text(h));
         let refitted = if gain.before == gain.as_given { None } else { Some(percent(&gain.before)) };
         let mut chart = BarChart::new("NRMSE [% of the column's standard deviation]", names)
             .series(MODELS[0].0, percent(&gain.as_given))
@@ -201,7 +207,7 @@ fn shortened(term: &str) -> String {
 }
 
 /// A typical prediction: the one whose error with the refitted model is the median.
-fn prediction(held_out: &HeldOut, shown: [usize; 2]) -> Option<Figure> {
+fn prediction(quantities: &Quantities, held_out: &HeldOut, shown: [usize; 2]) -> Option<Figure> {
     let error = |p: &Predicted| {
         let record = &held_out.records[p.record];
         let of = |(c, column): (usize, &Vec<f64>)| {
@@ -223,7 +229,9 @@ fn prediction(held_out: &HeldOut, shown: [usize; 2]) -> Option<Figure> {
     let (_, p) = whole.get(whole.len() / 2)?;
     let record = &held_out.records[p.record];
     let times = &record.times[p.start..p.start + longest];
-    let mut chart = TimeSeries::new().title("A typical prediction on held-out data and its error");
+    let mut chart = TimeSeries::new()
+        .title("A typical prediction on held-out data and its error")
+        .time_label(quantities.time_title("time"));
     for (c, m) in record.measured.iter().take(MOST_COLUMNS).enumerate() {
         let known: Vec<usize> = (0..longest).filter(|k| m.values[p.start + k].is_finite()).collect();
         let at = |f: &dyn Fn(usize) -> f64| known.iter().map(|&k| f(k)).collect::<Vec<f64>>();
@@ -233,8 +241,11 @@ fn prediction(held_out: &HeldOut, shown: [usize; 2]) -> Option<Figure> {
             Series::new(name, t.clone(), y).role(role)
         };
         let measured = Series::new("measured", t.clone(), at(&|k| m.values[p.start + k])).role(Role::Measured);
-        let mut above = Panel::new(m.name.clone()).series(measured);
-        let mut below = Panel::new(format!("{}: measured − predicted", m.name));
+        let mut above = Panel::new(quantities.title(&m.name)).series(measured);
+        let mut below = Panel::new(match quantities.unit(&m.name) {
+            Some(unit) => format!("{}: measured − predicted [{unit}]", m.name),
+            None => format!("{}: measured − predicted", m.name),
+        });
         for model in shown {
             let predicted = &p.columns[model][c];
             above = above.series(line(model, at(&|k| predicted[k])));
@@ -244,7 +255,7 @@ fn prediction(held_out: &HeldOut, shown: [usize; 2]) -> Option<Figure> {
     }
     let drawing = chart.draw();
     let caption = format!(
-        "{}: predicted from t = {:.3} s on, the state there estimated from the samples before; the prediction with the \
+        "{}: predicted from t = {:.3} on, the state there estimated from the samples before; the prediction with the \
          median error.",
         record.name, times[0]
     );
@@ -252,7 +263,7 @@ fn prediction(held_out: &HeldOut, shown: [usize; 2]) -> Option<Figure> {
 }
 
 /// Residuals of the equations, against the state, before and after.
-fn forces(held_out: &HeldOut, shown: [usize; 2]) -> Vec<Figure> {
+fn forces(quantities: &Quantities, held_out: &HeldOut, shown: [usize; 2]) -> Vec<Figure> {
     let mut names: Vec<&str> = held_out.after.iter().map(|r| r.equation.as_str()).collect();
     names.sort_unstable();
     names.dedup();
@@ -266,8 +277,14 @@ fn forces(held_out: &HeldOut, shown: [usize; 2]) -> Vec<Figure> {
             let (before, after) = (of(&held_out.before), of(&held_out.after));
             let first = held_out.after.iter().find(|r| r.equation == equation)?;
             let what = match &first.input {
-                Some(input) => format!("needed − applied [unit of {input}]"),
-                None => format!("measured − modeled rate of {equation}"),
+                Some(input) => {
+                    let unit = quantities.unit(input).map_or_else(|| format!("unit of {input}"), str::to_owned);
+                    format!("needed − applied [{unit}]")
+                }
+                None => match quantities.unit_of_derivative(equation, 1) {
+                    Some(unit) => format!("measured − modeled rate of {equation} [{unit}]"),
+                    None => format!("measured − modeled rate of {equation}"),
+                },
             };
             let mut panel = Panel::new(what);
             for (model, points) in shown.into_iter().zip([&before, &after]) {
@@ -294,7 +311,7 @@ fn forces(held_out: &HeldOut, shown: [usize; 2]) -> Vec<Figure> {
                      their mean over {equation}; the outermost 2 % may lie outside the axes.",
                     first.bandwidth
                 ),
-                drawing: XyChart::new(equation, panel).title(title).draw(),
+                drawing: XyChart::new(quantities.title(equation), panel).title(title).draw(),
             })
         })
         .collect()

@@ -7,6 +7,7 @@ use bracketry_diagnose::{
     ResidualAcceleration, Rival, Value, Verdict, Windows,
 };
 use bracketry_symbolic::Named;
+use bracketry_system::TimeUnit;
 use serde::{Serialize, Serializer};
 
 use super::sentences::{closeness, flag, note, reason, regime};
@@ -15,6 +16,8 @@ use super::sentences::{closeness, flag, note, reason, regime};
 #[derive(Serialize)]
 pub struct DiagnosisJson<'a> {
     model: &'a str,
+    #[serde(skip_serializing_if = "TimeUnit::is_second")]
+    time_unit: TimeUnit,
     verdict: Verdict,
     reason: String,
     causes: Vec<CauseJson<'a>>,
@@ -84,6 +87,7 @@ impl<'a> DiagnosisJson<'a> {
     pub fn of(report: &'a Report, extended_model: Option<&'a Path>) -> Self {
         Self {
             model: &report.model,
+            time_unit: report.quantities.time_unit,
             verdict: report.verdict,
             reason: reason(&report.reason),
             causes: report.causes.iter().map(CauseJson::of).collect(),

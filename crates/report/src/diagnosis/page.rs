@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use bracketry_diagnose::{Gain, NamedCause, Report, measured, p_value, significant};
+use bracketry_system::TimeUnit;
 
 use super::Diagnosis;
 use super::ranks::rank_change_text;
@@ -29,7 +30,7 @@ impl Diagnosis {
             out += &of_cause(cause);
         }
         if let Some(gain) = &report.gain {
-            out += &of_gain(gain, level);
+            out += &of_gain(gain, report.quantities.time_unit, level);
         }
         let pictures = html::figures(figures);
         if !pictures.is_empty() {
@@ -103,11 +104,11 @@ fn of_cause(cause: &NamedCause) -> String {
     out + "</div>\n"
 }
 
-fn of_gain(gain: &Gain, level: usize) -> String {
+fn of_gain(gain: &Gain, time: TimeUnit, level: usize) -> String {
     let data = if gain.held_out { "held-out data" } else { "the data of the fit" };
     let rows = (0..gain.horizons_s.len()).map(|k| {
         vec![
-            format!("{} s", gain.horizons_s[k]),
+            time.text(gain.horizons_s[k]),
             percent(gain.as_given[k]),
             percent(gain.before[k]),
             percent(gain.after[k]),

@@ -139,7 +139,7 @@ fn small_gain(gain: &SmallGain) -> String {
     let SmallGain { horizon, before, after } = gain;
     let per_cent = |error: f64| significant(100.0 * error, 3);
     format!(
-        "{} s ahead, held-out data are predicted with an error of {} % instead of {} %",
+        "over a horizon of {}, held-out data are predicted with an error of {} % instead of {} %",
         significant(*horizon, 3),
         per_cent(*after),
         per_cent(*before)
@@ -234,8 +234,8 @@ pub(super) fn note(note: &Note) -> String {
         Note::HorizonsTooLong(horizons) => {
             let horizons: Vec<String> = horizons.iter().map(|h| significant(*h, 3)).collect();
             format!(
-                "no predictions {} s ahead: the held-out data are shorter; give shorter horizons (--horizon)",
-                horizons.join(" s and ")
+                "no predictions over horizons of {}: the held-out data are shorter; give shorter horizons (--horizon)",
+                horizons.join(" and ")
             )
         }
         Note::Fixed(names) => format!("kept as given, not fitted: {}", names.join(", ")),
@@ -246,7 +246,7 @@ pub(super) fn note(note: &Note) -> String {
         Note::ExtendedModel(delay) => format!("extended model: {delay}"),
         Note::OnlyParameters => "gain: only parameters are wrong, so `before` is the model as given".to_owned(),
         Note::ShorterWindows { seconds, used } => format!(
-            "found in windows of {} s: in windows of {} s, the residual stays unexplained (--window)",
+            "found in windows with a length of {}: in windows of {}, the residual stays unexplained (--window)",
             significant(*seconds, 3),
             significant(*used, 3)
         ),
@@ -340,7 +340,7 @@ pub(super) fn flag(flag: &Flag) -> String {
             format!("{name} is not {} {nominal}, as physics requires", if *above { "above" } else { "below" })
         }
         Flag::BeyondHold { half, all } => format!(
-            "in addition to the mean delay of held inputs, half a sample ({half:.2e} s): {all:.2e} s in total if \
+            "in addition to the mean delay of held inputs, half a sample ({half:.2e}): {all:.2e} in total if \
              logged values are taken as instantaneous"
         ),
         Flag::ParameterAtLimit(name) => {
@@ -355,7 +355,7 @@ pub(super) fn flag(flag: &Flag) -> String {
         ),
         Flag::Jumped { name, from, to, at } => {
             format!(
-                "{name} changes from {} to {} at t = {} s",
+                "{name} changes from {} to {} at t = {}",
                 significant(*from, 4),
                 significant(*to, 4),
                 significant(*at, 4)

@@ -8,7 +8,7 @@ use bracketry_diagnose::{
     significant,
 };
 
-use bracketry_system::counted;
+use bracketry_system::{TimeUnit, counted};
 
 use super::sentences::{closeness, combination, flag as flag_text, note as note_text, reason, regime};
 use super::table::{Table, percent, short};
@@ -28,6 +28,7 @@ pub fn text(report: &Report, extended_model: Option<&Path>) -> String {
 }
 
 fn write_report(f: &mut Formatter<'_>, report: &Report, extended_model: Option<&Path>) -> fmt::Result {
+    let time = report.quantities.time_unit;
     writeln!(f, "{}: {}", report.model, report.verdict)?;
     writeln!(f, "  {}", reason(&report.reason))?;
     for cause in &report.causes {
@@ -50,7 +51,7 @@ fn write_report(f: &mut Formatter<'_>, report: &Report, extended_model: Option<&
     }
     if let Some(gain) = &report.gain {
         writeln!(f)?;
-        write_gain(f, gain)?;
+        write_gain(f, gain, time)?;
     }
     write_parameters(f, &report.parameters)?;
     write_candidates(f, &report.candidates)?;
@@ -67,7 +68,7 @@ fn write_report(f: &mut Formatter<'_>, report: &Report, extended_model: Option<&
         writeln!(f, "\nExtended model: {}", path.display())?;
     }
     if let Some(Windows { count, seconds }) = report.windows {
-        writeln!(f, "\nFitted in {} of {} s", counted(count, "window", "windows"), short(seconds))?;
+        writeln!(f, "\nFitted in {} of {}", counted(count, "window", "windows"), time.text(short(seconds)))?;
     }
     let Effort { fits, linearizations, simulations, steps, rejected, .. } = report.effort;
     let (fits, linearizations) =
@@ -109,7 +110,7 @@ fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {
     Ok(())
 }
 
-fn write_gain(f: &mut Formatter<'_>, gain: &Gain) -> fmt::Result {
+fn write_gain(f: &mut Formatter<'_>, gain: &Gain, time: TimeUnit) -> fmt::Result {
     let data = if gain.held_out { "held-out data" } else { "the data of the fit" };
     writeln!(f, "Gain on {data}: {}", gain.metric)?;
     if gain.horizons_s.is_empty() {
@@ -118,7 +119,7 @@ fn write_gain(f: &mut Formatter<'_>, gain: &Gain) -> fmt::Result {
     let mut table = Table::new(["horizon", "as given", "refitted", "extended", "refitted/extended", "predictions"]);
     for (k, horizon) in gain.horizons_s.iter().enumerate() {
         table.row([
-            format!("{horizon} s"),
+            time.text(horizon),
             percent(gain.as_given[k]),
             percent(gain.before[k]),
             percent(gain.after[k]),

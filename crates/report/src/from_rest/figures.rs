@@ -2,6 +2,7 @@
 
 use bracketry_plot::{Color, Dash, Drawing, Panel, PlotError, Series, XyChart};
 use bracketry_steer::from_rest::FromRest;
+use bracketry_system::Quantities;
 
 use super::text::{short, stroke_name};
 
@@ -10,22 +11,22 @@ const POINTS: usize = 120;
 
 /// The directions of displacement with the ball of the margin, for each pair of coordinates that move; for a single one, the
 /// displacements over the length of the loops. Named by the coordinates.
-pub fn from_rest_cones(found: &FromRest) -> Vec<(String, Result<Drawing, PlotError>)> {
+pub fn from_rest_cones(quantities: &Quantities, found: &FromRest) -> Vec<(String, Result<Drawing, PlotError>)> {
     if found.strokes.is_empty() {
         return Vec::new();
     }
     let name = |k: usize| found.coordinates[found.moving[k]].name.clone();
     if found.moving.len() == 1 {
-        return vec![(name(0), line(found))];
+        return vec![(name(0), line(quantities, found))];
     }
     let pairs = (0..found.moving.len()).flat_map(|i| (i + 1..found.moving.len()).map(move |j| (i, j)));
-    pairs.map(|(i, j)| (format!("{}_{}", name(i), name(j)), pair(found, i, j))).collect()
+    pairs.map(|(i, j)| (format!("{}_{}", name(i), name(j)), pair(quantities, found, i, j))).collect()
 }
 
 /// Displacements over the durations of the loops.
-fn line(found: &FromRest) -> Result<Drawing, PlotError> {
+fn line(quantities: &Quantities, found: &FromRest) -> Result<Drawing, PlotError> {
     let c = found.moving[0];
-    let mut panel = Panel::new(format!("displacement of {}", found.coordinates[c].name));
+    let mut panel = Panel::new(format!("displacement of {}", quantities.title(&found.coordinates[c].name)));
     for s in &found.strokes {
         let mut points: Vec<(f64, f64)> = s.displacements.iter().map(|d| (d.scale * s.duration, d.change[c])).collect();
         points.push((0.0, 0.0));
@@ -33,14 +34,18 @@ fn line(found: &FromRest) -> Result<Drawing, PlotError> {
         let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
         panel = panel.series(Series::new(stroke_name(s), x, y).markers());
     }
-    XyChart::new("duration of the loop [s]", panel).title(format!("{}: from rest to rest", found.model)).draw()
+    XyChart::new(quantities.time_title("duration of the loop"), panel)
+        .title(format!("{}: from rest to rest", found.model))
+        .draw()
 }
 
 /// Directions of displacement in two coordinates.
-fn pair(found: &FromRest, i: usize, j: usize) -> Result<Drawing, PlotError> {
+fn pair(quantities: &Quantities, found: &FromRest, i: usize, j: usize) -> Result<Drawing, PlotError> {
     let label = |k: usize| {
         let c = found.moving[k];
-        format!("{} / {}", found.coordinates[c].name, short(found.sizes[c]))
+        let name = &found.coordinates[c].name;
+        let unit = quantities.unit(name).map_or_else(String::new, |unit| format!(" {unit}"));
+        format!("displacement of {name} / {}{unit}", short(found.sizes[c]))
     };
     let mut panel = Panel::new(label(j));
     let circle = |r: f64| -> (Vec<f64>, Vec<f64>) {

@@ -2,7 +2,7 @@
 
 use bracketry_plot::{Color, Drawing, PlotError, RegimeMap};
 use bracketry_steer::from_rest::{Answer, CellAnswers, FromRestMap};
-use bracketry_system::readable;
+use bracketry_system::{Quantities, readable};
 use serde_json::{Value, json};
 
 /// What changes in a cell, in words.
@@ -65,12 +65,12 @@ pub fn from_rest_map_json(map: &FromRestMap) -> Value {
     })
 }
 
-/// `der(X,2)` as X''.
-fn with_primes(name: &str) -> String {
+/// The title of the axis of `der(X,2)`: `X'' [m/s²]`.
+fn axis(quantities: &Quantities, name: &str) -> String {
     let parts = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')?.rsplit_once(','));
-    match parts.and_then(|(input, order)| Some((input.trim(), order.trim().parse::<usize>().ok()?))) {
-        Some((input, order)) if order <= 3 => format!("{input}{}", "'".repeat(order)),
-        _ => name.to_owned(),
+    match parts.and_then(|(input, order)| Some((input.trim(), order.trim().parse::<u32>().ok()?))) {
+        Some((input, order)) => quantities.title_of_derivative(input, order),
+        None => quantities.title(name),
     }
 }
 
@@ -78,7 +78,7 @@ fn with_primes(name: &str) -> String {
 ///
 /// # Errors
 /// As [`RegimeMap::draw`].
-pub fn from_rest_map_figure(map: &FromRestMap) -> Result<Drawing, PlotError> {
+pub fn from_rest_map_figure(quantities: &Quantities, map: &FromRestMap) -> Result<Drawing, PlotError> {
     let mut names: Vec<String> = Vec::new();
     let rows: Vec<Vec<Option<usize>>> = map
         .cells
@@ -94,7 +94,7 @@ pub fn from_rest_map_figure(map: &FromRestMap) -> Result<Drawing, PlotError> {
             row.iter().map(&mut category).collect()
         })
         .collect();
-    let label = |name: &String| format!("largest |{}|", with_primes(name));
+    let label = |name: &String| format!("largest deviation of {}", axis(quantities, name));
     let mut figure = RegimeMap::new(label(&map.names[0]), label(&map.names[1]))
         .title(format!("{}: what changes from rest to rest", map.model))
         .cells(map.x.clone(), map.y.clone(), rows)

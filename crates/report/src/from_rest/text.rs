@@ -1,7 +1,7 @@
 //! The text of motion from rest to rest.
 
 use bracketry_steer::from_rest::{Answer, Cone, FromRest, Grid, GridPoint, Holds, Motion, Proof, Shape, Stroke};
-use bracketry_system::{counted, readable};
+use bracketry_system::{Quantities, counted, readable};
 
 /// What friction balances, as an inequality.
 pub(super) fn cone_text(c: &Cone) -> String {
@@ -81,7 +81,7 @@ fn motion(m: Motion) -> &'static str {
 }
 
 /// The answer, with its reasons.
-pub fn from_rest_text(found: &FromRest) -> String {
+pub fn from_rest_text(quantities: &Quantities, found: &FromRest) -> String {
     let mut lines = vec![format!("{}: from rest to rest", found.model)];
     lines.push(format!("are all rest states near the point reachable from it: {}", answer(found.answer)));
     if let Some(reason) = &found.reason {
@@ -116,7 +116,7 @@ pub fn from_rest_text(found: &FromRest) -> String {
     if !found.strokes.is_empty() {
         lines.push("loops of the inputs, from rest to rest, and their displacements:".to_owned());
         for s in &found.strokes {
-            lines.push(format!("  {} ({} s)", stroke_name(s), readable(s.duration)));
+            lines.push(format!("  {} ({})", stroke_name(s), quantities.time_unit.text(readable(s.duration))));
             for d in s.displacements.iter().take(2) {
                 let list: Vec<String> = found
                     .coordinates

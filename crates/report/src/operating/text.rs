@@ -230,7 +230,7 @@ pub fn linear_text(r: &LinearAnalysis) -> String {
             let over = g.horizon.map_or("all time".to_owned(), |t| {
                 let unstable = r.poles.as_ref().is_some_and(|poles| poles.iter().any(|p| p.re >= 0.0));
                 let why = if unstable { ", because the system is not stable" } else { "" };
-                format!("the time from 0 to {} s{why}", readable(t))
+                format!("the time from 0 to {}{why}", readable(t))
             });
             lines.push(format!("  Gramians over {over}"));
             lines.push(matrix("Wc", &g.controllability));

@@ -2,11 +2,14 @@
 
 use bracketry_lie::parameters::{AspectValue, MapCell, ParameterMap};
 use bracketry_plot::{Color, RegimeMap};
+use bracketry_system::Quantities;
 
 use super::text::{cell, name};
 
 /// Cells by what the linearization does there, with the curves on which ranks change.
-pub fn parameter_figure(map: &ParameterMap) -> RegimeMap {
+/// Axes have the units of `quantities`, which are those of
+/// [`System::all_quantities`](bracketry_system::System::all_quantities).
+pub fn parameter_figure(quantities: &Quantities, map: &ParameterMap) -> RegimeMap {
     let mut names: Vec<String> = Vec::new();
     let known = map.cells.iter().flatten().any(Option::is_some);
     // Without a linearization, the generic dimension holds everywhere off the curves.
@@ -29,7 +32,7 @@ pub fn parameter_figure(map: &ParameterMap) -> RegimeMap {
         })
         .collect();
     let [a, b] = &map.names;
-    let mut figure = RegimeMap::new(a.clone(), b.clone())
+    let mut figure = RegimeMap::new(quantities.title(a), quantities.title(b))
         .title(format!("{}: verdicts over {a} and {b}", map.report.model))
         .cells(map.x.clone(), map.y.clone(), rows)
         .missing("no rational linearization");

@@ -16,7 +16,10 @@ const MAX_OUTPUT_PANELS: usize = 6;
 /// # Errors
 /// [`PlotError`] for numbers that no axis holds.
 pub fn figure(system: &System, scenario: &Scenario, run: &ScenarioRun) -> Result<Drawing, PlotError> {
-    let mut chart = friction_colors(TimeSeries::new()).title(system.name.clone());
+    let mut chart =
+        friction_colors(TimeSeries::new()).title(system.name.clone()).time_label(system.quantities.time_title("time"));
+    // The unit stands behind all names of one quantity.
+    let titled = |name: &str, others: &str| system.quantities.title(name).replacen(name, &format!("{name}{others}"), 1);
     let panel = |label: String, k: usize, rows: &[Vec<f64>]| {
         let values: Vec<f64> = rows.iter().map(|r| r[k]).collect();
         Panel::new(label).rounding(ROUNDING).series(Series::new("", run.times.clone(), values))
@@ -34,16 +37,16 @@ pub fn figure(system: &System, scenario: &Scenario, run: &ScenarioRun) -> Result
         same.fold(String::new(), |names, (_, name)| format!("{names} = {name}"))
     };
     for (k, name) in system.state_names().into_iter().enumerate() {
-        let panel = panel(format!("{name}{}", alias(system.states[k])), k, &run.states);
+        let panel = panel(titled(&name, &alias(system.states[k])), k, &run.states);
         chart = chart.panel(friction_bands(panel, &run.simulation.trajectory, &run.switches, &name));
     }
     for (k, name) in inputs {
-        let label = format!("input {name}{}", alias(system.inputs[k]));
+        let label = format!("input {}", titled(&name, &alias(system.inputs[k])));
         chart = chart.panel(panel(label, k, &run.inputs));
     }
     if outputs.len() <= MAX_OUTPUT_PANELS {
         for (k, name) in outputs {
-            chart = chart.panel(panel(name, k, &run.outputs));
+            chart = chart.panel(panel(titled(&name, ""), k, &run.outputs));
         }
     }
     chart.draw()

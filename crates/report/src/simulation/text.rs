@@ -11,9 +11,9 @@ pub(super) const ROUNDING: f64 = 1e-13;
 pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> String {
     let trajectory = &run.simulation.trajectory;
     let mut lines = vec![format!(
-        "{}: {} s simulated in {}, {}",
+        "{}: {} simulated in {}, {}",
         system.name,
-        readable(trajectory.end() - trajectory.start()),
+        system.quantities.time_unit.text(readable(trajectory.end() - trajectory.start())),
         counted(run.simulation.statistics.steps, "step", "steps"),
         counted(trajectory.mode_changes().len(), "mode change", "mode changes")
     )];
@@ -44,11 +44,11 @@ fn singular(system: &System, run: &ScenarioRun) -> Vec<String> {
     let rows = run.states.iter().map(Vec::as_slice).zip(run.inputs.iter().map(Vec::as_slice));
     let sentence = |near: ClosestApproach| {
         format!(
-            "the direction of ({}) is used where its length is {} (t = {} s); it is smooth except at length 0; write \
+            "the direction of ({}) is used where its length is {} (t = {}); it is smooth except at length 0; write \
              unit(…) for friction",
             near.name,
             readable(near.length),
-            readable(run.times[near.row])
+            system.quantities.time_unit.text(readable(run.times[near.row]))
         )
     };
     system.closest_approaches(rows).into_iter().map(sentence).collect()

@@ -15,17 +15,22 @@ pub fn steering_figure(s: &Steering) -> Option<Result<Drawing, PlotError>> {
     let (run, signals) = (s.motion.as_ref()?, s.signals.as_ref()?);
     let times: Vec<f64> = (0..=POINTS).map(|k| signals.duration() * k as f64 / POINTS as f64).collect();
     let rows: Vec<Vec<f64>> = times.iter().map(|&t| run.trajectory.sample(t)).collect();
-    let mut chart = TimeSeries::new().title(s.system.name.clone());
+    let mut chart = TimeSeries::new().title(s.system.name.clone()).time_label(s.system.quantities.time_title("time"));
     for (k, name) in s.system.state_names().into_iter().enumerate() {
         let values: Vec<f64> = rows.iter().map(|x| x[k]).collect();
-        let panel = Panel::new(name).rounding(ROUNDING).series(Series::new("", times.clone(), values));
+        let panel = Panel::new(s.system.quantities.title(&name)).rounding(ROUNDING).series(Series::new(
+            "",
+            times.clone(),
+            values,
+        ));
         chart = chart.panel(panel.target(s.to[k]));
     }
     for (j, name) in s.system.input_names().into_iter().enumerate() {
         let values: Vec<f64> = signals.values.iter().map(|u| u[j]).collect();
         let series = Series::new("", signals.times.clone(), values);
         let series = if signals.hold == Hold::Previous { series.step() } else { series };
-        chart = chart.panel(Panel::new(format!("input {name}")).rounding(ROUNDING).series(series));
+        chart = chart
+            .panel(Panel::new(format!("input {}", s.system.quantities.title(&name))).rounding(ROUNDING).series(series));
     }
     Some(chart.draw())
 }
@@ -58,5 +63,11 @@ pub fn steering_path(s: &Steering) -> Option<Result<Drawing, PlotError>> {
     let scene = Scene::new(s.system.name.clone(), Outline::Ellipse { a: length, b: width })
         .trajectory(motion)
         .target(Pose::new(s.to[x], s.to[y], heading(&s.to)));
-    Some(PlanView::new().labels("x", "y").stamps(12).scene(scene).draw())
+    Some(
+        PlanView::new()
+            .labels(s.system.quantities.title("x"), s.system.quantities.title("y"))
+            .stamps(12)
+            .scene(scene)
+            .draw(),
+    )
 }

@@ -61,7 +61,9 @@ pub(super) fn reason(reason: &SteerReason) -> String {
         }
         SteerReason::Bounds(error) => error.to_string(),
         SteerReason::FromRest(why) => why.to_string(),
-        SteerReason::TooLong { needed } => format!("the loops take {} s, longer than --duration", readable(*needed)),
+        SteerReason::TooLong { needed } => {
+            format!("the loops take a time of {}, longer than --duration", readable(*needed))
+        }
         SteerReason::Ranges => "inputs leave their ranges; a longer --duration may help".to_owned(),
         SteerReason::EndError { error } if error.is_finite() => {
             format!("the best motion ends {} away; use it as a first guess, or try --duration", readable(*error))
@@ -76,7 +78,10 @@ pub(super) fn reason(reason: &SteerReason) -> String {
 pub(super) fn note(n: &SteerNote) -> String {
     match n {
         SteerNote::Longer { asked } => {
-            format!("it takes longer than the requested {} s to keep the inputs within their ranges", readable(*asked))
+            format!(
+                "it takes longer than the requested time of {} to keep the inputs within their ranges",
+                readable(*asked)
+            )
         }
         SteerNote::OutOfRange { input } => format!("{input} leaves its range; a longer --duration may help"),
     }
@@ -156,8 +161,8 @@ pub fn steering_text(s: &Steering) -> String {
             Hold::Previous => "constant between rows",
             Hold::Linear => "linear between rows",
         };
-        let rows = signals.times.len();
-        lines.push(format!("inputs over {} s, {rows} rows, {hold}", readable(signals.duration())));
+        let (rows, time) = (signals.times.len(), s.system.quantities.time_unit);
+        lines.push(format!("inputs over {}, {rows} rows, {hold}", time.text(readable(signals.duration()))));
         for (j, input) in s.system.input_names().iter().enumerate() {
             let values = signals.values.iter().map(|row| row[j]);
             let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));

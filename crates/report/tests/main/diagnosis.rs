@@ -8,6 +8,7 @@ use bracketry_diagnose::{
 };
 use bracketry_report::{DiagnosisJson, diagnosis_text};
 use bracketry_symbolic::Pool;
+use bracketry_system::Quantities;
 use serde_json::{Value as Json, json, to_value};
 
 fn formula(text: &str) -> Formula {
@@ -21,6 +22,7 @@ fn report() -> Report {
     let sliding = Regime::Motion { name: "v".into(), sliding: true, positive: true };
     Report {
         model: "slider".into(),
+        quantities: Quantities::default(),
         verdict: Verdict::CauseFound,
         reason: VerdictReason { outcome: Outcome::Explained, caveats: Vec::new() },
         causes: vec![NamedCause {

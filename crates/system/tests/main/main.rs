@@ -10,6 +10,7 @@ mod input_delays;
 mod input_ranges;
 mod least_values;
 mod model_files;
+mod quantities;
 mod quotients;
 mod ranges;
 mod static_levels;

@@ -27,6 +27,7 @@ fn score(hidden: &[Option<Cause>], named: &[(Cause, &[Cause])], unexplained: boo
     };
     let report = Report {
         model: String::new(),
+        quantities: bracketry_system::Quantities::default(),
         verdict,
         reason: VerdictReason { outcome: Outcome::Explained, caveats: Vec::new() },
         causes: named.iter().map(cause).collect(),

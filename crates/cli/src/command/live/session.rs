@@ -131,7 +131,7 @@ impl Session {
         let prediction = predict.then(|| self.prediction());
         let LiveStep { sample, missed, step, .. } = self.controller.last();
         self.counts.add(step);
-        self.late.add(step.timings.total(), self.controller.period());
+        self.late.add(step.timings.total(), self.controller.period_seconds());
         outbox.put(&Answer::Input {
             sample: *sample,
             t: *sample as f64 * self.controller.period(),
@@ -174,7 +174,7 @@ impl Session {
     }
 
     pub(super) fn period(&self) -> f64 {
-        self.controller.period()
+        self.controller.period_seconds()
     }
 
     fn prediction(&self) -> Prediction {

@@ -3,7 +3,7 @@
 use bracketry_lie::analysis::mode_fields;
 use bracketry_lie::{Answer, Function, VectorFields};
 use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
-use bracketry_system::{Parameter, Point, System};
+use bracketry_system::{Parameter, Point, Quantities, System};
 
 /// Functions as text.
 pub(crate) fn answered(functions: &Answer<Vec<Function>>) -> Answer<Vec<String>> {
@@ -83,6 +83,7 @@ pub(crate) fn system(
         dynamics,
         outputs,
         point,
+        quantities: Quantities::default(),
     }
 }
 
