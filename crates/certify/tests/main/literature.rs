@@ -19,7 +19,7 @@ fn conclusion(found: &Certification) -> Option<Conclusion> {
     found.lyapunov.as_ref()?.proof().map(|p| p.conclusion)
 }
 
-/// Khalil, Nonlinear Systems, 3rd ed., example 8.9: V = 1.5 x² − x y + y² proves {V < 2.25} or somewhat more.
+/// Khalil 2002, example 8.9: V = 1.5 x² − x y + y² proves {V < 2.25} or somewhat more.
 #[test]
 fn the_reversed_van_der_pol_oscillator_has_the_known_quadratic_region() {
     let found = found(
@@ -33,7 +33,7 @@ fn the_reversed_van_der_pol_oscillator_has_the_known_quadratic_region() {
     assert!(found.lyapunov.unwrap().proof().is_none(), "the limit cycle excludes a global function");
 }
 
-/// x' = −x + x y, y' = −y has a global Lyapunov function, but no polynomial one (Ahmadi, Krstic and Parrilo, CDC 2011).
+/// x' = −x + x y, y' = −y has a global Lyapunov function, but no polynomial one (Ahmadi, Krstic, and Parrilo 2011).
 #[test]
 fn a_stable_system_without_polynomial_lyapunov_function_is_not_called_unstable() {
     let found =

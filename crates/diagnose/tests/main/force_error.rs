@@ -23,7 +23,7 @@ fn as_published() -> RecordSettings {
     RecordSettings { hold: Some(Hold::Linear), ..RecordSettings::default() }
 }
 
-/// Janot, Gautier, Brunot: Data set and reference models of EMPS (2019), least squares repeated: 4.027 % and 5.948 %.
+/// Janot, Gautier, and Brunot 2019, least squares repeated: 4.027 % and 5.948 %.
 /// Reads `emps/*.csv` below `$BRACKETRY_SHARED/data` (`../shared/data` beside the workspace) and passes without them.
 #[test]
 fn least_squares_parameters_of_the_positioning_system_leave_the_published_force_error() {

@@ -55,6 +55,7 @@ fn unicycle() {
     assert_eq!(f.singular_set.as_ref().unwrap().to_string(), "v = 0");
 }
 
+/// Rouchon, Fliess, Lévine & Martin 1993.
 #[test]
 fn tractor_with_trailers_is_flat_by_the_last_axle() {
     let s = driftless(
@@ -91,17 +92,16 @@ fn without_drift_two_inputs_are_flat_just_when_the_derived_flag_grows_by_one() {
     let f = flatness(&chained);
     assert_eq!((f.verdict, shown(&f.flat_outputs).join(", ")), (FlatnessVerdict::Yes, "a, e".to_owned()));
     assert!(adds_up(&chained, &f));
-    // Growth 2, 3, 5 (Cartan): no pair of functions of state and inputs is flat.
+    // Growth 2, 3, 5 (Cartan 1910): no pair of functions of state and inputs is flat.
     let cartan = driftless(&["a", "b", "c", "d", "e"], &["u", "v"], &["u", "v", "b*u", "c*u", "c*v"]);
     let f = flatness(&cartan);
     assert_eq!(f.verdict, FlatnessVerdict::No);
     assert!(f.reason.to_string().contains("2, 3, 5"), "{}", f.reason);
 }
 
-/// The general trailer with its hitch off the axle (Rouchon, Fliess, Lévine & Martin 1993: two trailers are not flat, one is).
 #[test]
 fn ball_rolling_on_a_plate_is_not_flat() {
-    // Rolling without slipping or spinning, spherical coordinates (Montana's equations): growth 2, 3, 5.
+    // Rolling without slipping or spinning, spherical coordinates (Montana 1988): growth 2, 3, 5.
     let s = driftless(
         &["x", "y", "u", "v", "ps"],
         &["a", "b"],
@@ -191,7 +191,7 @@ fn quadrotor_in_space_by_position_and_yaw() {
 
 #[test]
 fn with_one_input_flat_means_linearizable() {
-    // Jakubczyk & Respondek: the cart-pole is not.
+    // Jakubczyk & Respondek 1980: the cart-pole is not.
     let cart_pole = system(
         &["x", "th", "v", "w"],
         &["u"],

@@ -132,7 +132,7 @@ fn hiv_with_the_virus_observed() {
     assert_eq!(combinations(&r), ["p*s"]);
 }
 
-/// Goodwin's oscillator with the first substance observed: locally, three rates and two combinations of the others.
+/// The oscillator of Goodwin (1965) with the first substance observed: locally, three rates and two combinations of the others.
 #[test]
 fn goodwin_oscillator() {
     let model = "states = ['x', 'y', 'z']\nparameters = { a = 1, A = 2, b = 3, al = 4, be = 5, ga = 6, de = 7 }\n\

@@ -122,7 +122,7 @@ fn products_ratios_and_powers() {
     assert_eq!(distribution("x y z", &["x,y,2*z"]).all(), ["x/y", "x^2/z"]);
     assert_eq!(distribution("x y", &["x + a,y + b"]).all(), ["(x + a)/(y + b)"]);
     assert_eq!(distribution("x y z", &["0,-z,y", "z,0,-x"]).all(), ["x^2 + y^2 + z^2"]);
-    // Isidori, Nonlinear Control Systems, example 4.2.5.
+    // Isidori 1995, example 4.2.5.
     assert_eq!(distribution("x1 x2 x3", &["0,1 + x2,-x3"]).all(), ["x1", "x2*x3 + x3"]);
 }
 
@@ -149,7 +149,7 @@ fn what_has_no_closed_form_is_counted() {
     assert!(found.missing > 0);
 }
 
-/// Marino & Spong's arm with an elastic joint: the link angle linearizes it.
+/// The arm with an elastic joint of Marino & Spong 1986: the link angle linearizes it.
 #[test]
 fn the_linearizing_output_of_a_flexible_joint() {
     let mut s = system(

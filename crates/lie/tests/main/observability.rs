@@ -71,7 +71,7 @@ fn bearings_alone_leave_the_scale_open_unless_the_observer_accelerates() {
     assert_eq!((moving.rank, moving.unobservable_directions), (Answer::Known(4), Vec::new()));
 }
 
-/// Bolie's model of glucose and insulin; the symmetry is that of Massonis & Villaverde 2020.
+/// The model of glucose and insulin by Bolie (1961); the symmetry is that of Massonis & Villaverde 2020.
 #[test]
 fn the_scaling_symmetry_of_bolies_model_is_named() {
     let rates = ["p1*q1 - p2*q2 + delta", "p3*q2 + p4*q1"];
@@ -101,7 +101,7 @@ fn compartments() {
     assert_eq!(r.identifiable_without_inputs.map(|m| m.0.iter().any(|p| p.1)), Some(false));
 }
 
-/// Vajda et al. 1989, second-order homogeneous system.
+/// Vajda, Godfrey & Rabitz 1989, second-order homogeneous system.
 #[test]
 fn vajdas_quadratic_system() {
     let rates = ["p1*x1^2 + p2*x1*x2 + u", "p3*x1^2 + p4*x1*x2"];
@@ -126,7 +126,7 @@ fn epidemics_seen_through_an_unknown_reporting_rate() {
     assert_eq!(r.fix_to_identify.map(|l| l.len()), Some(2));
 }
 
-/// Perelson's model of HIV: with the viral load alone λ and p appear as a product (Xia & Moog 2003, Wu et al. 2008).
+/// HIV dynamics (Perelson & Nelson 1999): with the viral load alone λ and p appear as a product (Xia & Moog 2003, Wu et al. 2008).
 #[test]
 fn the_viral_load_alone_leaves_production_rates_open() {
     let rates = ["lam - d*T - be*T*V", "be*T*V - del*I", "p*I - c*V"];

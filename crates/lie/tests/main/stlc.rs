@@ -109,7 +109,7 @@ const CASES: &[Case] = &[
     case("unicycle with speed at rest", "x y th v", "a w", &["v*cos(th)", "v*sin(th)", "w", "a"], Yes),
     case("unicycle with inertia", "x y th v w", "a b", &["v*cos(th)", "v*sin(th)", "w", "a", "b"], Yes),
     case("bicycle with speed at rest", "x y th p v", "a s", &["v*cos(th)", "v*sin(th)", "v*tan(p)", "s", "a"], Yes),
-    // Bodies. Sussmann 1987, Crouch 1984, Bullo and Lewis 2004, Kerai 1995, Melody, Başar, Bullo 2003.
+    // Bodies. Sussmann 1987, Crouch 1984, Bullo and Lewis 2004, Kerai 1995; Melody, Başar, Bullo 2003.
     case("rigid body, two torques", "a b c", "u v", &["u", "v", "a*b"], Yes),
     case("symmetric rigid body, two torques", "a b c", "u v", &["u - b*c", "v + a*c", "0"], No),
     case("rigid body, one skew torque", "a b c", "u", &["-b*c + u", "a*c + u/2", "-a*b/3 + u/3"], No),
@@ -203,7 +203,7 @@ fn inputs_without_bounds_jump() {
         (case("form", "x y z", "u v", &["u", "v", "2*x^2 - 2*x*y + y^2"], No), &[]),
         (case("wave", "x y", "u", &["u", "1 - cos(x)"], No), &[]),
         (case("clock", "x t", "u", &["u", "1"], No), &[]),
-        // z − x²/2 falls behind itself only as fast as it is large: Lorenz' equations.
+        // z − x²/2 falls behind itself only as fast as it is large: the equations of Lorenz (1963).
         (case("Lorenz", "x y z", "u", &["10*(y - x)", "28*x - y - x*z + u", "x*y - 8*z/3"], No), &[]),
         (case("no access", "x y", "u", &["u", "-y"], No), &[]),
     ];

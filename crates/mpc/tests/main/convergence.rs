@@ -263,7 +263,7 @@ fn a_trajectory_that_can_be_followed_is_followed_from_a_guess_at_rest() {
 
 #[test]
 fn a_bead_on_a_wire_goes_as_far_as_on_a_cycloid() {
-    // x = g T²/π (Johann Bernoulli 1696); straight pieces cost a little.
+    // The problem of Johann Bernoulli (1696): x = g T²/π; straight pieces cost a little.
     let bead = r#"
         states = ["x", "y", "v"]
         inputs = ["th"]

@@ -42,7 +42,7 @@ proptest! {
         let mut rounding = SumUpRounding::new(&[0.0, 1.0]).unwrap();
         let (mut integral, mut on) = (0.0, 0.0);
         for u in relaxed {
-            // Sager's rule: on where at least half an interval of what was asked is missing.
+            // Sum-up rounding (Sager, Bock, and Diehl 2012): on where at least half an interval of what was asked is missing.
             integral += h * u;
             let missing = integral - on;
             let value = rounding.round(u, h);

@@ -15,7 +15,7 @@ fn filter_alone() -> SqpSettings {
 }
 
 /// min ½(u² + v²) − u on the circle u² + v² = 1, from the angle 0.3 on it. The Hessian is that of the Lagrangian, yet every
-/// whole step leaves the circle by the square of its length and the exact penalty rises (N. Maratos, 1978).
+/// whole step leaves the circle by the square of its length and the exact penalty rises (Maratos 1978).
 fn maratos(second_order_correction: bool) -> Solution {
     let text = r#"
         states = ["p"]

@@ -32,7 +32,7 @@ fn the_solution_satisfies_the_equation_and_stabilizes() {
 
 #[test]
 fn a_singular_and_an_unstable_transition_matrix_are_served() {
-    // A. J. Laub, IEEE Trans. Autom. Control 24 (1979), example 2.
+    // Laub 1979, example 2.
     let (a, b, q) = (dense([[0.0, 1.0], [0.0, 0.0]]), dense([[0.0], [1.0]]), dense([[1.0, 2.0], [2.0, 4.0]]));
     let x = dare(&a, &b, &q, &dense([[1.0]]), &zeros(2, 1)).unwrap();
     assert_relative_eq!(x.cost_to_go, dense([[1.0, 2.0], [2.0, 2.0 + 5f64.sqrt()]]), epsilon = 1e-13);

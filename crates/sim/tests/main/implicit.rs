@@ -25,7 +25,7 @@ fn lambert_w(ln_y: f64) -> f64 {
 
 #[test]
 fn a_diode_with_a_resistor_has_the_current_of_lambert_w() {
-    // Banwell and Jayakumar, Electronics Letters 36 (2000): i = (Vt/R) W((Is R/Vt) exp((e − v + R Is)/Vt)) − Is.
+    // Banwell and Jayakumar 2000: i = (Vt/R) W((Is R/Vt) exp((e − v + R Is)/Vt)) − Is.
     let (is, vt, r, c) = (1e-12_f64, 0.025_85, 1000.0, 1e-6);
     let text = "states = ['v']\ninputs = ['e']\nparameters = { Is = 1e-12, Vt = 0.02585, R = 1000, C = 1e-6 }\n\
                 dynamics = { v = 'Is*(exp(d/Vt) - 1)/C - v/(5*R*C)' }\noutputs = { i = 'Is*(exp(d/Vt) - 1)', d = 'd' }\n\

@@ -79,7 +79,7 @@ fn run(system: &System, inputs: &Inputs, x0: &[f64], t_end: f64) -> Simulation {
 }
 
 /// The proximal map of `|vx| + |vy|` times `axes` plus `|v|` times `plane`: that of the second after that of the first
-/// (Yu, *On decomposing the proximal map*, 2013).
+/// (Yu 2013).
 fn prox(v: [f64; 2], axes: f64, plane: f64) -> [f64; 2] {
     let soft = v.map(|v: f64| v.signum() * (v.abs() - axes).max(0.0));
     let size = soft[0].hypot(soft[1]);

@@ -11,8 +11,8 @@ fn run(text: &str, x0: &[f64], t_end: f64) -> Simulation {
     run
 }
 
-/// Hairer and Wanner, *Solving Ordinary Differential Equations II*, IV.10; the values are those of the test set for initial value
-/// problem solvers of the University of Bari.
+/// Hairer and Wanner 1996, section IV.10; the values are those of the test set for initial value problem solvers of the University
+/// of Bari (Mazzia and Magherini 2008).
 #[test]
 fn the_reaction_of_robertson_ends_where_it_should_and_loses_nothing() {
     let text = "states = ['a', 'b', 'c']\n[dynamics]\na = '-0.04*a + 1e4*b*c'\nb = '0.04*a - 1e4*b*c - 3e7*b^2'\nc = '3e7*b^2'";
@@ -69,7 +69,7 @@ fn diffusion_decays_mode_by_mode() {
     }
 }
 
-/// Prothero and Robinson's equation: a fast variable follows a slow motion, also between the steps.
+/// The equation of Prothero and Robinson (1974): a fast variable follows a slow motion, also between the steps.
 #[test]
 fn what_is_fast_follows_what_is_slow_between_the_steps_too() {
     for rate in [1e5, 1e6, 1e7] {

@@ -1,4 +1,4 @@
-//! Implicit time steps (Moreau, Jean) of a unit mass under any sum of friction terms: independent of switches and events.
+//! Implicit time steps (Moreau 1988, Jean 1999) of a unit mass under any sum of friction terms: independent of switches and events.
 
 /// Friction with the dissipation `weight · |rows v|`, and its force at the last step.
 #[derive(Debug, Clone)]
