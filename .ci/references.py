@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Checks that every citation of a document, record, model, or comment in `crates/*/src`, such as "Chow 1939", has an entry in docs/references.md: `python3 .ci/references.py`.
+"""Checks that every citation, such as "Chow 1939", has an entry in docs/references.md: `python3 .ci/references.py`.
 
+Citations are those of documents, records, and models, and those in comments and strings of Rust and Python: sources, tests, benchmarks, and examples.
 An entry is a line that starts with "- " and contains the names before the year, and the year. In comments, a year may also follow a title or a journal
 ("Chow, Mathematische Annalen 117, 1939"); the entry then has the year and its first author among the names. Exit code 1 with each citation that has none.
 """
@@ -14,14 +15,22 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LIST = "docs/references.md"
-NAME = r"(?:(?:[Vv]an|[Dd]e|[Dd]er|Di) )*[A-ZÀ-Ž][\w’'-]*\w"
-YEAR = r"(?:18|19|20)\d\d\b(?![-\d]|\.\d)"
+WORD = r"[A-ZÀ-Ž][\w’'-]*\w"
+NAME = rf"(?:(?:[Vv]an|[Vv]on|[Dd]e|[Dd]er|Da|Den|Di) )*{WORD}(?: de {WORD})?"
+YEAR = r"(?:1[6-9]|20)\d\d\b(?![-\d]|\.\d)"
 # Names, the last possibly with "and others" or "'s condition", and years, the first possibly in parentheses.
 CITATION = re.compile(rf"\b((?:{NAME}(?:, and |, | and | & |–))*{NAME})(?:['’]s(?: [a-z]+){{1,2}}| and others| et al\.)?,? \(?({YEAR}(?:(?:, | and ){YEAR})*)")
 # A year that ends a title, or the volume of a journal.
-DETACHED = re.compile(rf"(?:, |\()({YEAR})")
+DETACHED = re.compile(rf"(?:, |\()(?!1[67])({YEAR})")
 CODE = re.compile(r"`[^`]*`")
-COMMENT = re.compile(r"(?:^|\s)//[/!]?(?:\s(.*))?$")
+# Per kind of file, what starts a comment.
+MARK = {".rs": "//", ".py": "#", ".toml": "#"}
+COMMENT = {kind: re.compile(rf"(?:^|\s){mark}[/!]?(?:\s(.*))?$") for kind, mark in MARK.items()}
+# Strings; comments, in which a quotation mark starts none; and characters, which may be quotation marks.
+STRING = {
+    ".rs": re.compile(r'''//[^\n]*|'(?:\\.|[^\\'])'|r(?P<mark>#*)"(?P<raw>.*?)"(?P=mark)|"(?P<text>(?:\\.|[^"\\])*)"''', re.DOTALL),
+    ".py": re.compile(r'''#[^\n]*|(?P<mark>"""|\'\'\'|"|')(?P<text>(?:\\.|(?!(?P=mark)).)*)(?P=mark)''', re.DOTALL),
+}
 
 
 def plain(text: str) -> str:
@@ -49,18 +58,25 @@ def citations(text: str) -> list[tuple[tuple[str, ...], str]]:
     ]
 
 
-def comments(source: str) -> list[str]:
-    """The comments of a Rust file with a year, those on consecutive lines as one, without code in backticks."""
+def comments(source: str, kind: str) -> list[str]:
+    """The comments of a file with a year, those on consecutive lines as one, without code in backticks."""
     found, joined = [], False
     for line in source.splitlines():
-        match = COMMENT.search(line)
-        whole = bool(match) and line.lstrip().startswith("//")
+        match = COMMENT[kind].search(line)
+        whole = bool(match) and line.lstrip().startswith(MARK[kind])
         if match and whole and joined:
             found[-1] += "\n" + (match[1] or "")
         elif match:
             found.append(match[1] or "")
         joined = whole
     return [CODE.sub("`", comment) for comment in found if re.search(YEAR, comment)]
+
+
+def strings(source: str, kind: str) -> list[str]:
+    """The strings of a Rust or Python file with a year, escaped breaks as spaces."""
+    groups = [match.groupdict() for match in STRING[kind].finditer(source)]
+    texts = [found["text"] or found.get("raw") or "" for found in groups]
+    return [re.sub(r"\\(?:[nt]|\n\s*)", " ", text) for text in texts if re.search(YEAR, text)]
 
 
 def detached(text: str) -> list[tuple[list[str], str]]:
@@ -87,11 +103,11 @@ def missing(text: str, entries: str) -> list[str]:
     return [f"{', '.join(names)} {year}" for names, year in sorted(found)]
 
 
-def missing_in_comments(source: str, entries: str) -> list[str]:
-    """The citations in the comments of a Rust file that no entry has."""
+def missing_in_comments(source: str, entries: str, kind: str = ".rs") -> list[str]:
+    """The citations in the comments of a file that no entry has."""
     lines = entry_lines(entries)
     found = []
-    for comment in comments(source):
+    for comment in comments(source, kind):
         found += missing(comment, entries)
         for names, year in detached(comment):
             if not any(has(line, year) and any(has(re.split(r" and |, ", line)[0], name) for name in names) for line in lines):
@@ -99,13 +115,23 @@ def missing_in_comments(source: str, entries: str) -> list[str]:
     return found
 
 
+def missing_in_file(text: str, entries: str, kind: str) -> list[str]:
+    """The citations of a file that no entry has; `kind` is the end of its name."""
+    found = missing_in_comments(text, entries, kind) if kind in COMMENT else []
+    for part in strings(text, kind) if kind in STRING else [text]:
+        found += missing(part, entries)
+    return sorted(set(found))
+
+
 if __name__ == "__main__":
-    listed = subprocess.run(["git", "ls-files", "README.md", "docs/*.md", "models/*.toml", "crates/*/src/*.rs"], cwd=ROOT, capture_output=True, text=True, check=True)
+    # Test cases of this check name publications that do not exist.
+    patterns = ["*.md", "*.toml", "*.rs", "*.py", f":!{LIST}", ":!.ci"]
+    listed = subprocess.run(["git", "ls-files", "--", *patterns], cwd=ROOT, capture_output=True, text=True, check=True)
     entries = (ROOT / LIST).read_text(encoding="utf-8")
     found = [
         f"{name}: {citation} has no entry in {LIST}"
-        for name in listed.stdout.splitlines() if name != LIST
-        for citation in (missing_in_comments if name.endswith(".rs") else missing)((ROOT / name).read_text(encoding="utf-8"), entries)
+        for name in listed.stdout.splitlines()
+        for citation in missing_in_file((ROOT / name).read_text(encoding="utf-8"), entries, Path(name).suffix)
     ]
     print("\n".join(found) or f"references: every citation has an entry in {LIST}")
     sys.exit(bool(found))

@@ -125,6 +125,35 @@ class References(unittest.TestCase):
         """
         self.assertEqual(references.missing_in_comments(source, self.ENTRIES), ["Eising … 1984"])
 
+    def test_strings_of_code_are_checked(self):
+        source = '''
+            const QUOTE: char = '"'; // "Laub 1979": in a comment, found there
+            case("Brockett 1983", r#"the "car" of Kawski 1990"#, "Chow 1939, \\
+                Stefani\n1986");
+            let year = Stefani(1987);
+        '''
+        expected = ["Brockett 1983", "Kawski 1990", "Laub 1979", "Stefani 1986"]
+        self.assertEqual(references.missing_in_file(source, self.ENTRIES, ".rs"), expected)
+
+    def test_python_and_model_files_are_checked(self):
+        source = '''
+            """The car of Brockett
+            1983, with the "brackets" of Chow 1939."""
+            # By Martin and Rouchon 1994, not by others (Eising,
+            # Letters 4 (1984)); "Laub 1979".
+            name = f'Kawski {1 + 1} 1990' + "don't, Stefani 1986"
+            year = Stefani(1987)
+        '''
+        expected = ["Brockett 1983", "Eising … 1984", "Laub 1979", "Stefani 1986"]
+        self.assertEqual(references.missing_in_file(source, self.ENTRIES, ".py"), expected)
+        model = '# A car (Brockett 1983; Eising, Letters 4, 1984)\nsteps = 2000 # (Chow 1939)\nname = "Laub 1979"\n'
+        self.assertEqual(references.missing_in_file(model, self.ENTRIES, ".toml"), ["Brockett 1983", "Eising … 1984", "Laub 1979"])
+
+    def test_names_may_consist_of_several_words(self):
+        text = "Den Hartog 1931, Pesch and von Stryk 1993; Dupont and Canudas de Wit (1994), Da Lio and Teel 2018, Bernoulli 1696."
+        expected = ["Bernoulli 1696", "Da Lio, Teel 2018", "Den Hartog 1931", "Dupont, Canudas de Wit 1994", "Pesch, von Stryk 1993"]
+        self.assertEqual(references.missing(text, self.ENTRIES), expected)
+
 
 class Words(unittest.TestCase):
     def places(self, text):
