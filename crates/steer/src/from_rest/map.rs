@@ -227,5 +227,13 @@ pub fn from_rest_map(
             open.extend(parts.into_iter().filter(|p| p[0] < p[1] && p[2] < p[3]));
         }
     }
+    // Smaller bounds that say yes, or larger ones that say no, may have come later.
+    for (j, i) in (0..cells).flat_map(|j| (0..cells).map(move |i| (j, i))) {
+        let Some(mut answers) = map.cells[j][i].clone() else { continue };
+        for (c, answer) in answers.iter_mut().enumerate().filter(|(_, a)| **a == Answer::Unknown) {
+            *answer = map.inferred(c, [j, i]).unwrap_or(Answer::Unknown);
+        }
+        map.cells[j][i] = Some(answers);
+    }
     Ok(map)
 }
