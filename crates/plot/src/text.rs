@@ -65,6 +65,9 @@ pub(crate) fn wrap(text: &str, available: f64, size: f64, bold: bool, max_lines:
 
 /// Breaks an axis label into at most three lines; if it has to be cut, the unit in brackets at its end stays.
 pub(crate) fn wrap_label(text: &str, available: f64) -> Vec<String> {
+    // A unit such as N m stays in one line.
+    let unit = text.rfind('[').filter(|_| text.ends_with(']')).unwrap_or(text.len());
+    let text = &format!("{}{}", &text[..unit], text[unit..].replace(' ', "\u{a0}"));
     let lines = wrap(text, available, SIZE, false, 3);
     let cut = lines.last().is_some_and(|l| l.ends_with('…'));
     match text.rfind('[') {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod affinize;
+mod axes;
 mod cases;
 mod certify;
 mod command;
