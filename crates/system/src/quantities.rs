@@ -87,6 +87,15 @@ impl TimeUnit {
         }
     }
 
+    /// The unit of frequencies: `Hz`, or `1/h`.
+    pub fn frequency(self) -> String {
+        match self {
+            Self::Second => "Hz".to_owned(),
+            Self::Dimensionless => "per unit of time".to_owned(),
+            unit => format!("1/{}", unit.symbol()),
+        }
+    }
+
     /// Whether it is the second, which is what models mean that state no unit.
     pub fn is_second(&self) -> bool {
         *self == Self::Second

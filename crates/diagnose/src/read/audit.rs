@@ -202,10 +202,10 @@ impl fmt::Display for Audit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let samples = counted(self.samples, "sample", "samples");
         let (duration, rate) = (self.time_unit.text(readable(self.duration)), readable(1.0 / self.step));
-        let (per, frequency) = match self.time_unit {
-            TimeUnit::Second => ("second", "Hz".to_owned()),
-            TimeUnit::Dimensionless => ("unit of time", String::new()),
-            unit => (unit.symbol(), format!("1/{}", unit.symbol())),
+        let per = match self.time_unit {
+            TimeUnit::Second => "second",
+            TimeUnit::Dimensionless => "unit of time",
+            unit => unit.symbol(),
         };
         writeln!(f, "{}: {samples} over {duration}, {rate} per {per}", self.name)?;
         let width = self.columns.iter().map(|c| c.name.chars().count()).max().unwrap_or(0);
@@ -217,7 +217,9 @@ impl fmt::Display for Audit {
                 (_, _, Some(bandwidth)) if 2.0 * bandwidth * self.step >= 1.0 => {
                     write!(f, "by a spline through the samples")?;
                 }
-                (_, _, Some(bandwidth)) => write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} {frequency}")?,
+                (_, _, Some(bandwidth)) => {
+                    write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} {}", self.time_unit.frequency())?
+                }
                 (_, Some(true), _) => write!(f, "input, linear interpolation between samples")?,
                 _ => write!(f, "input, held between samples")?,
             }

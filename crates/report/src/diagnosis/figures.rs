@@ -1,6 +1,6 @@
 //! What was found, in pictures.
 
-use bracketry_diagnose::{Cause, ForceResidual, HeldOut, Place, Predicted, Report, ResidualAcceleration};
+use bracketry_diagnose::{Cause, ForceResidual, HeldOut, Place, Predicted, Regime, Report, ResidualAcceleration};
 use bracketry_plot::{BarChart, Color, IntervalChart, Panel, Role, Series, TimeSeries, XyChart};
 
 use bracketry_system::Quantities;
@@ -54,8 +54,10 @@ impl Diagnosis {
 
     fn places(&self) -> Vec<Figure> {
         let Report { places, regimes, .. } = &self.report;
-        let motion = of_places(places, "where", "Where the refitted model is wrong, by motion");
-        let others = of_places(regimes, "regimes", "The same by acceleration, position, and tilt");
+        let quantities = &self.report.quantities;
+        let motion = of_places(quantities, places, "where", "Where the refitted model is wrong, by motion");
+        let title = "Where the refitted model is wrong, by acceleration, position, and tilt";
+        let others = of_places(quantities, regimes, "regimes", title);
         motion.into_iter().chain(others).collect()
     }
 
@@ -85,9 +87,11 @@ impl Diagnosis {
             );
         }
         let caption = format!(
-            "{}: measured minus modeled rate, by smoothing splines of {:.3} Hz; for a velocity, this is the missing force per mass. \
+            "{}: measured minus modeled rate, by smoothing splines of {:.3} {}; for a velocity, this is the missing force per mass. \
              Within the bounds, it may be sensor noise.",
-            first.record, first.bandwidth_hz
+            first.record,
+            first.bandwidth_hz,
+            self.report.quantities.time_unit.frequency()
         );
         Some(Figure { name: "missing".to_owned(), caption, drawing: chart.draw() })
     }
@@ -166,14 +170,19 @@ impl Diagnosis {
 }
 
 /// Shares of the error beside shares of the time.
-fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
+fn of_places(quantities: &Quantities, places: &[Place], name: &str, title: &str) -> Option<Figure> {
     if places.is_empty() {
         return None;
     }
     let several = places.iter().any(|p| p.equation != places[0].equation);
     let places = &places[..places.len().min(MOST_PLACES)];
     let label = |p: &Place| {
-        let regime = brief(&p.regime);
+        let unit = match &p.regime {
+            Regime::Rate { name, .. } => quantities.unit_of_derivative(name, 1),
+            Regime::Third { name, .. } => quantities.unit(name).map(str::to_owned),
+            _ => None,
+        };
+        let regime = brief(&p.regime) + &unit.map_or_else(String::new, |unit| format!(" {unit}"));
         if several { format!("{}: {regime}", p.equation) } else { regime }
     };
     let shares: Vec<f64> = places.iter().map(|p| 100.0 * p.share).collect();
@@ -307,9 +316,10 @@ fn forces(quantities: &Quantities, held_out: &HeldOut, shown: [usize; 2]) -> Vec
             Some(Figure {
                 name: format!("force_{equation}"),
                 caption: format!(
-                    "Measured minus modeled in the equation of {equation}, smoothed to {:.3} Hz: points of the held-out data and \
+                    "Measured minus modeled in the equation of {equation}, smoothed to {:.3} {}: points of the held-out data and \
                      their mean over {equation}; the outermost 2 % may lie outside the axes.",
-                    first.bandwidth
+                    first.bandwidth,
+                    quantities.time_unit.frequency()
                 ),
                 drawing: XyChart::new(quantities.title(equation), panel).title(title).draw(),
             })

@@ -398,10 +398,8 @@ pub(super) fn regime(regime: &Regime) -> String {
         Regime::Third { name, from, to } => match (from, to) {
             (None, Some(to)) => format!("{name} < {}", significant(*to, 2)),
             (Some(from), None) => format!("{name} > {}", significant(*from, 2)),
-            (from, to) => {
-                let end = |v: &Option<f64>| v.map_or_else(String::new, |v| significant(v, 2));
-                format!("{name} {} … {}", end(from), end(to))
-            }
+            (Some(from), Some(to)) => format!("{} < {name} < {}", significant(*from, 2), significant(*to, 2)),
+            (None, None) => name.clone(),
         },
         Regime::Tilt { name, positive } => format!("{name} {} 0", sign(positive)),
     }

@@ -137,7 +137,7 @@ fn write_gain(f: &mut Formatter<'_>, gain: &Gain, time: TimeUnit) -> fmt::Result
         }
         write!(f, "{} refitted, {} extended", percent(before), percent(after))?;
         if let Some(bandwidth) = gain.equation_bandwidth_hz {
-            write!(f, " (derivatives up to {} Hz)", short(bandwidth))?;
+            write!(f, " (derivatives up to {} {})", short(bandwidth), time.frequency())?;
         }
         writeln!(f)?;
     }
