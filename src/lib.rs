@@ -4,6 +4,8 @@
 pub use bracketry_certify as certify;
 #[cfg(feature = "diagnose")]
 pub use bracketry_diagnose as diagnose;
+#[cfg(feature = "experiment")]
+pub use bracketry_experiment as experiment;
 #[cfg(feature = "export")]
 pub use bracketry_export as export;
 pub use bracketry_files as files;

@@ -7,7 +7,7 @@ use std::path::Path;
 use toml::Table;
 
 /// The layers from the lowest up: each crate may use those before it.
-const LAYERS: [&str; 21] = [
+const LAYERS: [&str; 22] = [
     "bracketry-numerics",
     "bracketry-symbolic",
     "bracketry-files",
@@ -23,6 +23,7 @@ const LAYERS: [&str; 21] = [
     "bracketry-mpc",
     "bracketry-c",
     "bracketry-diagnose",
+    "bracketry-experiment",
     "bracketry-plate",
     "bracketry-report",
     "bracketry",

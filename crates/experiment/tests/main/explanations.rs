@@ -1,0 +1,93 @@
+//! Inputs that tell two explanations apart.
+
+use bracketry_experiment::{ExperimentError, ExperimentOptions, Limit, tell};
+use bracketry_system::System;
+
+fn model(text: &str) -> System {
+    System::parse("model.toml", text).unwrap()
+}
+
+fn options(duration: f64) -> ExperimentOptions {
+    ExperimentOptions {
+        limits: vec![Limit::new("u", -1.0, 1.0)],
+        noise: vec![("y".into(), 0.01)],
+        ..ExperimentOptions::lasting(duration)
+    }
+}
+
+fn lag(text: &str) -> System {
+    model(&format!("states = ['y']\ninputs = ['u']\n{text}"))
+}
+
+/// The output of y' = (u − y)/T at the samples, in closed form.
+fn response(time_constant: f64, inputs: &dyn Fn(usize) -> f64, samples: usize, h: f64) -> Vec<f64> {
+    let e = (-h / time_constant).exp();
+    let mut y = 0.0;
+    (0..samples)
+        .map(|k| {
+            y = inputs(k) + (y - inputs(k)) * e;
+            y
+        })
+        .collect()
+}
+
+#[test]
+fn two_lags_are_told_apart_as_well_as_by_the_best_of_all_switching_patterns() {
+    let fixed = |t: f64| lag(&format!("dynamics = {{ y = '(u - y)/{t}' }}"));
+    let found = tell([("fast", &fixed(0.5)), ("slow", &fixed(0.7))], &options(4.0)).unwrap();
+    let samples = found.signals.times.len() - 1;
+    let h = found.signals.times[1];
+    let square = |inputs: &dyn Fn(usize) -> f64| -> f64 {
+        let [a, b] = [0.5, 0.7].map(|t| response(t, inputs, samples, h));
+        a.iter().zip(&b).map(|(a, b)| ((a - b) / 0.01).powi(2)).sum()
+    };
+    let pattern = |bits: usize| move |k: usize| if bits >> (12 * k / samples) & 1 == 1 { 1.0 } else { -1.0 };
+    let best = (0..1 << 12).map(|bits| square(&pattern(bits))).fold(0.0, f64::max);
+    let own = square(&|k| found.signals.values[k][0]);
+    assert!((own / found.weaker().chi_square - 1.0).abs() < 1e-6, "{own} {}", found.weaker().chi_square);
+    assert!(own > 0.99 * best, "{own} of {best}");
+    assert!(found.resolves());
+}
+
+#[test]
+fn what_a_change_of_parameters_makes_equal_is_not_resolved() {
+    let a = lag("parameters = { a = 1, b = 2 }\ndynamics = { y = 'b*u - a*y' }");
+    let b = lag("parameters = { T = 0.7, k = 1.5 }\ndynamics = { y = '(k*u - y)/T' }");
+    let found = tell([("rate", &a), ("time", &b)], &options(4.0)).unwrap();
+    assert!(!found.resolves(), "{:?}", found.separations);
+    assert!(found.weaker().deviations < 0.1, "{:?}", found.separations);
+    assert!(found.weaker().as_given > 25.0);
+}
+
+#[test]
+fn limits_of_states_hold_for_both_explanations_on_the_exact_models() {
+    let text = |force: &str| {
+        model(&format!(
+            "states = ['x', 'v']\ninputs = ['u']\nparameters = {{ c = 0.4 }}\ndynamics = {{ x = 'v', v = 'u - {force}' }}"
+        ))
+    };
+    let (a, b) = (text("c*v"), text("c*sign(v)"));
+    let mut options = options(6.0);
+    options.noise = vec![("x".into(), 0.002), ("v".into(), 0.01)];
+    options.limits.extend([Limit::new("x", -0.5, 0.5), Limit::new("v", -1.0, 1.0)]);
+    let found = tell([("viscous", &a), ("dry", &b)], &options).unwrap();
+    for outputs in &found.outputs {
+        for y in outputs {
+            assert!(y[0].abs() <= 0.5 + 1e-8 && y[1].abs() <= 1.0 + 1e-8, "{y:?}");
+        }
+    }
+    assert!(found.resolves());
+    assert!(found.weaker().deviations >= found.before);
+}
+
+#[test]
+fn explanations_of_different_systems_are_refused() {
+    let a = lag("dynamics = { y = 'u - y' }");
+    let b = model("states = ['y']\ninputs = ['w']\ndynamics = { y = 'w - y' }");
+    assert!(matches!(tell([("a", &a), ("b", &b)], &options(1.0)), Err(ExperimentError::DifferentInputs { .. })));
+    let c = model("states = ['z']\ninputs = ['u']\ndynamics = { z = 'u - z' }");
+    assert!(matches!(tell([("a", &a), ("c", &c)], &options(1.0)), Err(ExperimentError::NoColumns)));
+    let mut wrong = options(1.0);
+    wrong.limits.push(Limit::new("w", -1.0, 1.0));
+    assert!(tell([("a", &a), ("a", &a)], &wrong).unwrap_err().to_string().contains("`w`"));
+}
