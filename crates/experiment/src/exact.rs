@@ -10,7 +10,7 @@ use bracketry_system::System;
 /// Most steps of a simulation, which then counts as impossible: an experiment that takes more is none for a rig.
 const MOST_STEPS: usize = 400_000;
 /// Tolerances, far below those of any sensor.
-const TOLERANCES: (f64, f64) = (1e-9, 1e-11);
+const TOLERANCES: (f64, f64) = (1e-8, 1e-10);
 
 /// Where a column of a model comes from.
 #[derive(Clone, Copy, Debug)]

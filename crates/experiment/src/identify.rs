@@ -2,8 +2,9 @@
 //! 1974).
 
 use crate::composed::Composed;
+use crate::design::Design;
 use crate::exact::{Exact, Free};
-use crate::noise::{ColumnNoise, noise};
+use crate::noise::noise;
 use crate::options::{ExperimentError, ExperimentOptions};
 use crate::plan::{Pieces, Plan, deadline};
 use crate::refit::Fitted;
@@ -42,15 +43,11 @@ pub struct ExpectedParameter {
 pub struct Identification {
     /// The model.
     pub model: System,
-    /// The inputs.
-    pub signals: Signals,
-    /// Limits of the inputs, in the order of the signals.
-    pub input_limits: Vec<[f64; 2]>,
-    /// Measured columns with their noise.
-    pub noise: Vec<ColumnNoise>,
+    /// The inputs, their limits, and the noise.
+    pub design: Design,
     /// Expected output, one row per sample.
     pub outputs: Vec<Vec<f64>>,
-    /// Expected output under the best of the simple inputs.
+    /// The best of the simple inputs.
     pub reference: Signals,
     /// The parameters.
     pub parameters: Vec<ExpectedParameter>,
@@ -59,8 +56,6 @@ pub struct Identification {
     /// Gain of the determinant of the Fisher information over that of the best of the simple inputs, as the factor by which it shortens the
     /// mean standard deviation; none where a determinant is zero.
     pub shorter: Option<f64>,
-    /// Starts of the optimization.
-    pub starts: usize,
     /// Parameters that were taken as known.
     pub fixed: Vec<String>,
 }
@@ -148,15 +143,12 @@ pub fn identify(
     let gain = after.log_determinant - before.log_determinant;
     Ok(Identification {
         model: model.clone(),
-        input_limits: setup.inputs.iter().map(|u| u.range).collect(),
-        noise,
         outputs: found.runs[0].outputs.clone(),
-        signals: found.signals,
+        design: Design::new(&setup, found.signals, noise, search.starts),
         reference: reference.signals,
         parameters: expected.collect(),
         correlation: after.correlation(),
         shorter: gain.is_finite().then(|| (gain / (2.0 * free.len() as f64)).exp()),
-        starts: search.starts,
         fixed: exact.free(&[]).into_iter().map(|p| p.name).filter(|n| !parameters.contains(n)).collect(),
     })
 }

@@ -5,6 +5,7 @@
 //! sensitivities, and the information; it is solved from several starts. What is reported comes from exact simulations, with stick and slip.
 
 mod composed;
+mod design;
 mod exact;
 mod identify;
 mod noise;
@@ -18,6 +19,7 @@ mod smooth;
 mod starts;
 mod tell;
 
+pub use design::Design;
 pub use identify::{ExpectedParameter, IDENTIFIED, Identification, identify};
 pub use noise::{ColumnNoise, NoiseSource};
 pub use options::{ExperimentError, ExperimentOptions, Limit};

@@ -9,8 +9,8 @@ use bracketry_mpc::{CostFunction, Integrator, Ocp, PlannedTrajectory, Sqp, SqpSe
 use bracketry_sim::Hold;
 use std::time::Instant;
 
-/// Most iterations of a start: one that takes more is left for the next.
-const ITERATIONS: usize = 60;
+/// Most programs of a start: what the interior-point method does not solve, they rarely do.
+const PROGRAMS: usize = 5;
 /// Change of a state, as a share of its size, up to which more integration steps do not matter to a plan.
 const ACCURATE: f64 = 1e-3;
 /// Most integration steps per piece by the explicit method.
@@ -60,8 +60,8 @@ impl Plan {
         }
         let dynamics = SymbolicDynamics::new(&composed.system)?;
         let settings = SqpSettings {
-            max_iterations: ITERATIONS,
-            filter_iterations: ITERATIONS,
+            max_iterations: PROGRAMS,
+            filter_iterations: PROGRAMS,
             stop: options.stop.clone(),
             ..SqpSettings::default()
         };

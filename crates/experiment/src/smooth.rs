@@ -6,8 +6,9 @@ use bracketry_system::System;
 
 /// Lags in the place of a delay: their step response rises where the delay ends.
 const LAGS: usize = 3;
-/// Width of a smoothed sign, as a share of what its argument typically is.
-const WIDTH: f64 = 0.05;
+/// Width of a smoothed sign, as a share of what its argument typically is. A quarter of it makes no plan fail, and of narrower ones many; what
+/// is reported is exact.
+const WIDTH: f64 = 0.25;
 /// The width where nothing is known of the argument.
 const UNKNOWN_WIDTH: f64 = 0.01;
 

@@ -5,14 +5,14 @@
 //! planned anew about its new parameters.
 
 use crate::composed::Composed;
+use crate::design::Design;
 use crate::exact::{Exact, Free, Run};
-use crate::noise::{ColumnNoise, noise};
+use crate::noise::noise;
 use crate::options::{ExperimentError, ExperimentOptions};
 use crate::plan::{Pieces, Plan, deadline};
 use crate::refit::{Fitted, Refit};
 use crate::search::{Candidate, Search, Searcher};
 use crate::setup::Setup;
-use crate::signals::Signals;
 use crate::smooth::Smooth;
 use bracketry_system::System;
 use serde::Serialize;
@@ -23,6 +23,10 @@ pub const RESOLVED: f64 = 5.0;
 const ROUNDS: usize = 3;
 /// Gain of a round, relative, below which there is no other.
 const SETTLED: f64 = 0.02;
+/// Standard deviations beyond which no other round follows: no noise confuses the explanations.
+const ENOUGH: f64 = 100.0;
+/// Factors of each parameter from which the refits of the best inputs start too, so that no other valley is overlooked.
+const FAR: [f64; 2] = [0.3, 3.0];
 /// Most parameters of which a plan has the sensitivities: their number enters as the square.
 const MOST_SENSITIVITIES: usize = 5;
 
@@ -50,12 +54,8 @@ pub struct Discrimination {
     pub models: [System; 2],
     /// What they are called.
     pub names: [String; 2],
-    /// The inputs.
-    pub signals: Signals,
-    /// Limits of the inputs, in the order of the signals.
-    pub input_limits: Vec<[f64; 2]>,
-    /// Measured columns with their noise.
-    pub noise: Vec<ColumnNoise>,
+    /// The inputs, their limits, and the noise.
+    pub design: Design,
     /// Expected outputs of both, one row per sample.
     pub outputs: [Vec<Vec<f64>>; 2],
     /// Output of the refitted one of the smaller separation, one row per sample.
@@ -64,10 +64,10 @@ pub struct Discrimination {
     pub separations: [Separation; 2],
     /// The smaller separation of the best of the simple inputs of the same limits, in standard deviations.
     pub before: f64,
-    /// Starts of the optimization, and rounds of planning and refitting.
-    pub starts: usize,
     /// Rounds of planning and refitting.
     pub rounds: usize,
+    /// Parameters that were taken as known.
+    pub fixed: Vec<String>,
 }
 
 impl Discrimination {
@@ -103,6 +103,23 @@ struct Judged {
 impl Judged {
     fn value(&self) -> f64 {
         self.refits[0].square.min(self.refits[1].square)
+    }
+
+    /// Refits both explanations from far away too.
+    fn refit_from_afar(&mut self, sides: &[Side<'_>; 2], stds: &[f64]) -> Result<(), ExperimentError> {
+        for (k, side) in sides.iter().enumerate() {
+            let moved = |j: usize, factor: f64| {
+                let value = |(i, p): (usize, &Free)| if i == j { p.value * factor } else { p.value };
+                side.free.iter().enumerate().map(value).collect::<Vec<f64>>()
+            };
+            let starts: Vec<Vec<f64>> = (0..side.free.len()).flat_map(|j| FAR.map(|factor| moved(j, factor))).collect();
+            let truth = &self.candidate.runs[1 - k];
+            let fitted = Fitted::new(&side.exact, &self.candidate.signals, &side.free, stds, Some(truth));
+            if let Some(found) = fitted.refit(&starts)?.filter(|f| f.square < self.refits[k].square) {
+                self.refits[k] = found;
+            }
+        }
+        Ok(())
     }
 
     /// The explanation whose refit leaves less.
@@ -156,6 +173,7 @@ pub fn tell(
     let stopped = || ExperimentError::Simulation { model: explanations.map(|e| e.0).join(", ") };
     let simple_best = best_of(&sides, &from, simple.iter().map(Candidate::copy).collect(), &stds)?;
     let mut best = simple_best.ok_or_else(stopped)?;
+    best.refit_from_afar(&sides, &stds)?;
     let before = best.value().sqrt();
     let (mut starts, mut rounds) = (0, 0);
     while rounds < ROUNDS {
@@ -172,12 +190,14 @@ pub fn tell(
         if let Some(found) = best_of(&sides, &from, candidates, &stds)?.filter(|f| f.value() > value) {
             best = found;
         }
+        best.refit_from_afar(&sides, &stds)?;
         let settled = best.value() <= (1.0 + SETTLED) * value && best.weaker() == weak;
+        let enough = best.value().sqrt() >= ENOUGH;
         for (from, refit) in from.iter_mut().zip(&best.refits) {
             from.truncate(1);
             from.push(refit.values.clone());
         }
-        if settled || searcher.is_late() {
+        if settled || enough || searcher.is_late() {
             break;
         }
     }
@@ -190,15 +210,13 @@ pub fn tell(
     Ok(Discrimination {
         models: models.map(Clone::clone),
         names: explanations.map(|e| e.0.to_owned()),
-        input_limits: setup.inputs.iter().map(|u| u.range).collect(),
-        noise,
         outputs: [first.outputs.clone(), second.outputs.clone()],
         refitted,
         separations,
         before,
-        starts,
         rounds,
-        signals: best.candidate.signals,
+        fixed: options.fixed.clone(),
+        design: Design::new(&setup, best.candidate.signals, noise, starts),
     })
 }
 

@@ -14,6 +14,7 @@ pub mod certificates;
 pub mod control;
 mod control_signals;
 mod diagnosis;
+pub mod experiments;
 pub mod export;
 pub mod forms;
 pub mod from_rest;

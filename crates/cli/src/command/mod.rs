@@ -12,6 +12,7 @@ mod control;
 mod demo;
 mod diagnose;
 mod ending;
+mod experiment;
 mod export;
 mod file_kind;
 mod from_rest;
@@ -149,6 +150,14 @@ enum Command {
         UNITS,
     ]))]
     Diagnose(Box<diagnose::DiagnoseArgs>),
+    /// Find inputs within limits that tell two models apart, or that identify parameters best
+    #[command(after_help = examples(&experiment::EXAMPLES), after_long_help = guide(&experiment::EXAMPLES, &[
+        ("Exit codes",
+            "0  the explanations are told apart, or all parameters are identified, on exact simulations\n\
+             1  they are not; the report says what would help\n2  bad input"),
+        UNITS,
+    ]), mut_arg("limit", |a| a.help("After this many seconds, no further optimization is started")))]
+    Experiment(Box<experiment::ExperimentArgs>),
     /// Run an experiment on the vibrating plate with a chosen model, and optionally compare it with a log
     #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
         ("Exit codes",
@@ -182,6 +191,7 @@ impl Command {
             Self::Transform(args) => Some(args.time_limit),
             Self::Steer(args) => Some(args.time_limit),
             Self::Diagnose(args) => Some(TimeLimit::of(args.time_limit)),
+            Self::Experiment(args) => Some(args.time_limit),
             _ => None,
         }
     }
@@ -199,6 +209,7 @@ impl Command {
             Self::Steer(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Simulate(args) => args.files(),
             Self::Diagnose(args) => args.files(),
+            Self::Experiment(args) => args.files(),
             Self::Plate(args) => args.files(),
             Self::Stiffness(command) => command.files(),
             Self::Control(args) => Given::problem(&args.problem),
@@ -252,6 +263,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),
+        Some(Command::Experiment(args)) => experiment::run(&args, &output),
         Some(Command::Stiffness(command)) => stiffness::run(&command, &output),
         Some(Command::Control(args)) => control::run(&args, &output),
         Some(Command::New(args)) => new::run(&args, &output),

@@ -60,7 +60,8 @@ pub(crate) struct SimulateArgs {
     seed: u64,
 }
 
-fn sensor(text: &str) -> Result<(String, f64), String> {
+/// A measured name with the standard deviation of its noise.
+pub(crate) fn sensor(text: &str) -> Result<(String, f64), String> {
     let parts = text.split_once('=').and_then(|(name, std)| Some((name.trim().to_owned(), std.trim().parse().ok()?)));
     parts.ok_or_else(|| "write an output or a state, =, and the standard deviation of its noise: x=0.001".to_owned())
 }

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use crate::common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "demo",
     "new",
     "analyze",
@@ -20,6 +20,7 @@ const COMMANDS: [&str; 17] = [
     "simulate",
     "control",
     "diagnose",
+    "experiment",
     "plate",
     "stiffness",
     "completions",

@@ -13,6 +13,7 @@ mod demo;
 mod diagnose;
 mod diagnose_real;
 mod documents;
+mod experiment;
 mod export;
 mod from_rest;
 mod front_door;

@@ -35,15 +35,15 @@ fn response(time_constant: f64, inputs: &dyn Fn(usize) -> f64, samples: usize, h
 fn two_lags_are_told_apart_as_well_as_by_the_best_of_all_switching_patterns() {
     let fixed = |t: f64| lag(&format!("dynamics = {{ y = '(u - y)/{t}' }}"));
     let found = tell([("fast", &fixed(0.5)), ("slow", &fixed(0.7))], &options(4.0)).unwrap();
-    let samples = found.signals.times.len() - 1;
-    let h = found.signals.times[1];
+    let samples = found.design.signals.times.len() - 1;
+    let h = found.design.signals.times[1];
     let square = |inputs: &dyn Fn(usize) -> f64| -> f64 {
         let [a, b] = [0.5, 0.7].map(|t| response(t, inputs, samples, h));
         a.iter().zip(&b).map(|(a, b)| ((a - b) / 0.01).powi(2)).sum()
     };
     let pattern = |bits: usize| move |k: usize| if bits >> (12 * k / samples) & 1 == 1 { 1.0 } else { -1.0 };
     let best = (0..1 << 12).map(|bits| square(&pattern(bits))).fold(0.0, f64::max);
-    let own = square(&|k| found.signals.values[k][0]);
+    let own = square(&|k| found.design.signals.values[k][0]);
     assert!((own / found.weaker().chi_square - 1.0).abs() < 1e-6, "{own} {}", found.weaker().chi_square);
     assert!(own > 0.99 * best, "{own} of {best}");
     assert!(found.resolves());
@@ -90,4 +90,37 @@ fn explanations_of_different_systems_are_refused() {
     let mut wrong = options(1.0);
     wrong.limits.push(Limit::new("w", -1.0, 1.0));
     assert!(tell([("a", &a), ("a", &a)], &wrong).unwrap_err().to_string().contains("`w`"));
+}
+
+#[test]
+fn no_values_on_a_grid_explain_the_other_explanation_better_than_the_refit() {
+    let mass = |force: &str| {
+        model(&format!(
+            "states = ['v']\ninputs = ['u']\nparameters = {{ m = 1.2, c = 0.5 }}\ndynamics = {{ v = '(u - c*{force})/m' }}"
+        ))
+    };
+    let (a, b) = (mass("v"), mass("v*abs(v)"));
+    let mut options = options(8.0);
+    options.noise = vec![("v".into(), 0.02)];
+    let found = tell([("viscous", &a), ("quadratic", &b)], &options).unwrap();
+    assert!(found.resolves() && found.weaker().deviations > 1.2 * found.before, "{:?}", found.separations);
+    let (signals, truth) = (&found.design.signals, &found.outputs[1]);
+    let h = signals.times[1];
+    let square = |m: f64, c: f64| -> f64 {
+        let mut v = 0.0;
+        let steps = signals.values.iter().zip(&truth[1..]);
+        steps
+            .map(|(u, y)| {
+                v = u[0] / c + (v - u[0] / c) * (-c / m * h).exp();
+                ((v - y[0]) / 0.02_f64).powi(2)
+            })
+            .sum()
+    };
+    let grid = (1..60).flat_map(|i| (1..60).map(move |j| (0.06 * f64::from(i), 0.03 * f64::from(j))));
+    let best = grid.map(|(m, c)| square(m, c)).fold(f64::INFINITY, f64::min);
+    let own = &found.separations[0];
+    assert_eq!((own.truth.as_str(), own.refitted.as_str()), ("quadratic", "viscous"));
+    let (m, c) = (own.parameters[0].1, own.parameters[1].1);
+    assert!((square(m, c) / own.chi_square - 1.0).abs() < 1e-4);
+    assert!(own.chi_square <= best, "{} of {best}", own.chi_square);
 }

@@ -49,15 +49,15 @@ fn determinant_of_lag(inputs: impl Fn(usize) -> f64, samples: usize, h: f64, std
 #[test]
 fn the_input_of_a_lag_is_as_good_as_the_best_of_all_switching_patterns() {
     let found = identify(&model(LAG), &["a".into(), "b".into()], &options(4.0)).unwrap();
-    let samples = found.signals.times.len() - 1;
-    let h = found.signals.times[1];
+    let samples = found.design.signals.times.len() - 1;
+    let h = found.design.signals.times[1];
     // All patterns of twelve pieces.
     let pattern = |bits: usize| move |k: usize| if bits >> (12 * k / samples) & 1 == 1 { 1.0 } else { -1.0 };
     let best = (0..1 << 12).map(|bits| determinant_of_lag(pattern(bits), samples, h, 0.01)).fold(0.0, f64::max);
-    let own = determinant_of_lag(|k| found.signals.values[k][0], samples, h, 0.01);
+    let own = determinant_of_lag(|k| found.design.signals.values[k][0], samples, h, 0.01);
     assert!((own / determinant(&found) - 1.0).abs() < 1e-3, "{own} {}", determinant(&found));
     assert!(own > best, "{own} of {best}");
-    assert!(found.signals.values.iter().all(|u| u[0].abs() <= 1.0));
+    assert!(found.design.signals.values.iter().all(|u| u[0].abs() <= 1.0));
 }
 
 #[test]
