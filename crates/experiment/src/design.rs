@@ -4,17 +4,20 @@ use crate::noise::ColumnNoise;
 use crate::options::Limit;
 use crate::setup::{InputLimits, Setup};
 use crate::signals::Signals;
+use bracketry_system::Quantities;
 
 /// What is common to all experiments: the inputs, what they keep, and what was assumed of the measurements.
 #[derive(Clone, Debug)]
 pub struct Design {
+    /// Units and labels of the model.
+    pub quantities: Quantities,
     /// The inputs.
     pub signals: Signals,
     /// Limits that are kept on the exact models: of the inputs, then of their rates, then of states.
     pub limits: Vec<Limit>,
     /// Measured columns with their noise.
     pub noise: Vec<ColumnNoise>,
-    /// Time between two samples, s.
+    /// Time between two samples, in the unit of time of the model.
     pub sample: f64,
     /// Starts of the optimization, over all rounds.
     pub starts: usize,
@@ -25,10 +28,10 @@ impl Design {
         let inputs = setup.inputs.iter().map(|u| Limit::new(&u.name, u.range[0], u.range[1]));
         let rate = |u: &InputLimits| u.rate.map(|r| Limit::new(&format!("der({})", u.name), r[0], r[1]));
         let limits = inputs.chain(setup.inputs.iter().filter_map(rate)).chain(setup.states.iter().cloned()).collect();
-        Self { signals, limits, noise, sample: setup.sample, starts }
+        Self { quantities: setup.quantities.clone(), signals, limits, noise, sample: setup.sample, starts }
     }
 
-    /// Length of the experiment, s.
+    /// Length of the experiment, in the unit of time of the model.
     pub fn duration(&self) -> f64 {
         self.signals.times.last().copied().unwrap_or(0.0)
     }

@@ -2,7 +2,7 @@
 
 use crate::options::{ExperimentError, ExperimentOptions, Limit};
 use bracketry_symbolic::closest_name;
-use bracketry_system::System;
+use bracketry_system::{Quantities, System};
 
 /// Samples of an experiment unless their distance is given.
 const SAMPLES: f64 = 200.0;
@@ -25,6 +25,8 @@ pub(crate) struct InputLimits {
 /// Inputs, columns, and times of an experiment.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
+    /// Units and labels of the first model.
+    pub(crate) quantities: Quantities,
     pub(crate) inputs: Vec<InputLimits>,
     /// Limits of states, which hold for every model that has the state.
     pub(crate) states: Vec<Limit>,
@@ -44,7 +46,7 @@ impl Setup {
         let states = states(models, &inputs, &options.limits)?;
         let positive = |what: &str, value: f64| {
             let what = what.to_owned();
-            let wrong = ExperimentError::Value { what, value, remedy: "give a positive number of seconds" };
+            let wrong = ExperimentError::Value { what, value, remedy: "give a positive time" };
             if value > 0.0 && value.is_finite() { Ok(value) } else { Err(wrong) }
         };
         let duration = positive("the duration", options.duration)?;
@@ -57,7 +59,9 @@ impl Setup {
         let count = count as usize;
         let sample = duration / count as f64;
         let number = count.min(PIECES);
+        let quantities = models.first().map(|m| m.quantities.clone()).unwrap_or_default();
         Ok(Self {
+            quantities,
             inputs,
             states,
             columns,

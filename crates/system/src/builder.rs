@@ -6,11 +6,11 @@ use std::ops::{Bound, RangeBounds};
 use bracketry_symbolic::{Expr, Node, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::quantities::TimeUnit;
 use crate::rules::{Declared, ModelError, check_parameter, check_range};
 use crate::scope::{Derivatives, Scope};
 use crate::system::{InputDelay, InputRange, Parameter, Point, StaticLevel, System};
 use crate::term::{Operand, Sheet, Term};
+use crate::time_unit::TimeUnit;
 
 /// A [`System`] in the making: what a model file says, said by calls.
 ///

@@ -11,9 +11,9 @@ use crate::constants::Constants;
 use crate::discrete_time::discrete_period;
 use crate::implicit::{MassMatrix, algebraic_equations, algebraic_names, eliminate_algebraic, smooth_beside_algebraic};
 use crate::input_delay::read_input_delays;
-use crate::quantities::read_quantities;
 use crate::rules::{Declared, check_parameter, check_range};
 use crate::scope::{Derivatives, Scope};
+use crate::stated_units::read_quantities;
 use crate::static_level::read_static_levels;
 use crate::system::{InputRange, Parameter, Point, System};
 

@@ -3,8 +3,8 @@
 use bracketry_symbolic::{Expr, Rational};
 use serde::Serialize;
 
-use crate::quantities::TimeUnit;
 use crate::system::System;
+use crate::time_unit::TimeUnit;
 
 /// A system that cannot be written as a model file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

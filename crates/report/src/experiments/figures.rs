@@ -7,6 +7,10 @@ use bracketry_sim::Hold;
 /// Half the width of the band of the noise, in standard deviations.
 const BAND: f64 = 2.0;
 
+fn chart_of(design: &Design) -> TimeSeries {
+    TimeSeries::new().time_label(design.quantities.time_title("time"))
+}
+
 /// A panel per input.
 fn inputs(mut chart: TimeSeries, design: &Design) -> TimeSeries {
     let signals = &design.signals;
@@ -14,7 +18,11 @@ fn inputs(mut chart: TimeSeries, design: &Design) -> TimeSeries {
         let values: Vec<f64> = signals.values.iter().map(|u| u[j]).collect();
         let series = Series::new("", signals.times.clone(), values).color(Color::INK);
         let series = if signals.hold == Hold::Previous { series.step() } else { series };
-        chart = chart.panel(limited(Panel::new(format!("input {name}")).series(series), design, name));
+        chart = chart.panel(limited(
+            Panel::new(format!("input {}", design.quantities.title(name))).series(series),
+            design,
+            name,
+        ));
     }
     chart
 }
@@ -48,13 +56,13 @@ fn band(mut panel: Panel, design: &Design, rows: &[Vec<f64>], k: usize) -> Panel
 pub fn discrimination_figure(d: &Discrimination) -> Result<Drawing, PlotError> {
     let design = &d.design;
     let title = format!("{} or {}", d.names[0], d.names[1]);
-    let mut chart = inputs(TimeSeries::new().title(title), design);
+    let mut chart = inputs(chart_of(design).title(title), design);
     let truth = usize::from(d.weaker().truth == d.names[1]);
     let line = |name: &str, rows: &[Vec<f64>], k: usize, role: Role| {
         Series::new(name, design.signals.times.clone(), column(rows, k, 0.0)).role(role)
     };
     for (k, noise) in design.noise.iter().enumerate() {
-        let mut panel = Panel::new(noise.column.clone());
+        let mut panel = Panel::new(design.quantities.title(&noise.column));
         panel = panel.series(line(&d.names[0], &d.outputs[0], k, Role::Given));
         panel = panel.series(line(&d.names[1], &d.outputs[1], k, Role::Extended));
         if !d.refitted.is_empty() && !d.weaker().parameters.is_empty() {
@@ -72,11 +80,11 @@ pub fn discrimination_figure(d: &Discrimination) -> Result<Drawing, PlotError> {
 /// [`PlotError`] for numbers that no axis holds.
 pub fn identification_figure(d: &Identification) -> Result<Drawing, PlotError> {
     let design = &d.design;
-    let mut chart = inputs(TimeSeries::new().title(d.model.name.clone()), design);
+    let mut chart = inputs(chart_of(design).title(d.model.name.clone()), design);
     for (k, noise) in design.noise.iter().enumerate() {
         let values = column(&d.outputs, k, 0.0);
         let series = Series::new("expected", design.signals.times.clone(), values).role(Role::Given);
-        let panel = band(Panel::new(noise.column.clone()).series(series), design, &d.outputs, k);
+        let panel = band(Panel::new(design.quantities.title(&noise.column)).series(series), design, &d.outputs, k);
         chart = chart.panel(limited(panel, design, &noise.column));
     }
     chart.draw()

@@ -18,12 +18,12 @@ fn design(out: &mut String, d: &Design) {
         Hold::Previous => "constant between samples",
         Hold::Linear => "linear between samples",
     };
-    let samples = d.signals.times.len() - 1;
+    let (samples, time) = (d.signals.times.len() - 1, d.quantities.time_unit);
     let _ = writeln!(
         out,
-        "{} s, {samples} samples, one every {} s; inputs {hold}",
-        readable(d.duration()),
-        readable(d.sample)
+        "{}, {samples} samples, one every {}; inputs {hold}",
+        time.text(readable(d.duration())),
+        time.text(readable(d.sample))
     );
     for limit in &d.limits {
         let _ = writeln!(out, "  {} within {} to {}", limit.name, readable(limit.low), readable(limit.high));
