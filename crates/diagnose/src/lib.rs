@@ -58,7 +58,7 @@ pub use record::Record;
 pub use report::{
     Candidate, Caveat, Closeness, ColumnFault, Combination, Doubt, Evidence, Excess, Flag, Mispredicted, NamedCause,
     NoMotion, Note, OtherHold, OtherUnit, Outcome, Place, RefittedParameter, Regime, Repetition, Report, Rescaling,
-    ResidualAcceleration, Rival, ScaledColumn, SmallGain, TemperatureScale, Value, Verdict, VerdictReason,
+    ResidualAcceleration, Rival, RivalModel, ScaledColumn, SmallGain, TemperatureScale, Value, Verdict, VerdictReason,
 };
 pub use settings::{
     AlarmSettings, ColumnSettings, ConsistencySettings, DecimationSettings, DiagnosisSettings, EquationSettings,

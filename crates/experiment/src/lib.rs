@@ -23,5 +23,6 @@ pub use design::Design;
 pub use identify::{ExpectedParameter, IDENTIFIED, Identification, identify};
 pub use noise::{ColumnNoise, NoiseSource};
 pub use options::{ExperimentError, ExperimentOptions, Limit};
+pub use setup::comparable;
 pub use signals::Signals;
 pub use tell::{Discrimination, RESOLVED, Separation, tell};

@@ -32,6 +32,8 @@ pub struct ExperimentOptions {
     pub sample: Option<f64>,
     /// Limits of inputs, of their rates, and of states. An input that is not named keeps the range of its model.
     pub limits: Vec<Limit>,
+    /// What is measured: outputs or states by name; where it is empty, the outputs of the models, or else their states.
+    pub measured: Vec<String>,
     /// Standard deviation of the noise of measured columns, by name.
     pub noise: Vec<(String, f64)>,
     /// Parameters that are known: no refit changes them.
@@ -53,6 +55,7 @@ impl ExperimentOptions {
             duration,
             sample: None,
             limits: Vec::new(),
+            measured: Vec::new(),
             noise: Vec::new(),
             fixed: Vec::new(),
             starts: 6,

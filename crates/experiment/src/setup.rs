@@ -41,7 +41,7 @@ pub(crate) struct Setup {
 impl Setup {
     pub(crate) fn new(models: &[&System], options: &ExperimentOptions) -> Result<Self, ExperimentError> {
         models.iter().try_for_each(|m| plannable(m))?;
-        let columns = columns(models)?;
+        let columns = chosen(models, &options.measured)?;
         let inputs = inputs(models, &options.limits)?;
         let states = states(models, &inputs, &options.limits)?;
         let positive = |what: &str, value: f64| {
@@ -94,6 +94,16 @@ pub(crate) fn start(system: &System) -> Vec<f64> {
     system.point_values().map_or_else(|| vec![0.0; system.states.len()], |(x, _)| x)
 }
 
+/// Whether an experiment can tell two models apart at all: models of one system that can be planned with.
+///
+/// # Errors
+/// [`ExperimentError`] for what they do not have in common, or what cannot be planned with.
+pub fn comparable(models: [&System; 2]) -> Result<(), ExperimentError> {
+    models.iter().try_for_each(|m| plannable(m))?;
+    same_inputs(&models)?;
+    columns(&models).map(|_| ())
+}
+
 fn plannable(system: &System) -> Result<(), ExperimentError> {
     let model = system.name.clone();
     if let Some(d) = system.input_derivatives.first() {
@@ -135,6 +145,19 @@ fn columns(models: &[&System]) -> Result<Vec<String>, ExperimentError> {
     if common.is_empty() { Err(ExperimentError::NoColumns) } else { Ok(common) }
 }
 
+/// The columns that were asked for, else those that all models have.
+fn chosen(models: &[&System], measured: &[String]) -> Result<Vec<String>, ExperimentError> {
+    if measured.is_empty() {
+        return columns(models);
+    }
+    let outputs = models[0].outputs.iter().map(|o| o.0.clone());
+    let known: Vec<String> = outputs.chain(models[0].state_names()).collect();
+    match measured.iter().find(|c| !models.iter().all(|m| has(m, c))) {
+        Some(name) => Err(unknown("--measure", name, "an output or state of every model", &known)),
+        None => Ok(measured.to_vec()),
+    }
+}
+
 /// The error of a name that is not known.
 pub(crate) fn unknown(option: &'static str, name: &str, what: &'static str, known: &[String]) -> ExperimentError {
     let remedy = match closest_name(name, known.iter().map(String::as_str)) {
@@ -152,11 +175,8 @@ fn interval(limit: &Limit) -> Result<[f64; 2], ExperimentError> {
     Err(ExperimentError::Value { what, value: limit.high - limit.low, remedy: "give LOW..HIGH with LOW below HIGH" })
 }
 
-fn inputs(models: &[&System], limits: &[Limit]) -> Result<Vec<InputLimits>, ExperimentError> {
+fn same_inputs(models: &[&System]) -> Result<(), ExperimentError> {
     let names = models[0].input_names();
-    if names.is_empty() {
-        return Err(ExperimentError::NoInputs);
-    }
     for model in &models[1..] {
         let (mut a, mut b) = (names.clone(), model.input_names());
         a.sort();
@@ -165,6 +185,15 @@ fn inputs(models: &[&System], limits: &[Limit]) -> Result<Vec<InputLimits>, Expe
             return Err(ExperimentError::DifferentInputs { a: names, b: model.input_names() });
         }
     }
+    Ok(())
+}
+
+fn inputs(models: &[&System], limits: &[Limit]) -> Result<Vec<InputLimits>, ExperimentError> {
+    let names = models[0].input_names();
+    if names.is_empty() {
+        return Err(ExperimentError::NoInputs);
+    }
+    same_inputs(models)?;
     let of = |name: &str| limits.iter().find(|l| l.name == name).map(interval).transpose();
     let at_rest = models[0].point_values().map_or_else(|| vec![0.0; names.len()], |(_, u)| u);
     let limited = names.iter().zip(at_rest).enumerate().map(|(j, (name, rest))| {

@@ -109,7 +109,7 @@ pub(crate) fn diagnose<'py>(
             let model = report.evidence.model.as_ref();
             let ranks = model.and_then(|m| RankChange::of_systems(&system, &m.system));
             let extended = model.map(|m| -> Result<_, Failure> { Ok((m.system.clone(), m.to_toml()?)) }).transpose()?;
-            let diagnosis = Arc::new(Diagnosis { report, ranks, extended_model: None });
+            let diagnosis = Arc::new(Diagnosis { report, ranks, extended_model: None, next_experiments: Vec::new() });
             let mut figures = Figures::default();
             for (k, figure) in diagnosis.figures().into_iter().enumerate() {
                 let drawn = Arc::clone(&diagnosis);

@@ -28,6 +28,6 @@ pub mod simulation;
 pub mod steering;
 pub mod stiffness;
 
-pub use diagnosis::{Diagnosis, DiagnosisJson, rank_change_text, text as diagnosis_text};
+pub use diagnosis::{Diagnosis, DiagnosisJson, NextExperiment, rank_change_text, text as diagnosis_text};
 pub use html::Figure;
 pub use simulation::{friction_bands, friction_colors};

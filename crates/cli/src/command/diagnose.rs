@@ -6,10 +6,12 @@ use std::time::Duration;
 use anyhow::Context;
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
-    DiagnosisSettings, GainSettings, Note, Record, RecordSettings, Report, StudySettings, diagnose, read_record,
-    reference_candidates,
+    DiagnosisSettings, GainSettings, Note, Record, RecordSettings, Report, RivalModel, StudySettings, diagnose,
+    read_record, reference_candidates, significant,
 };
+use bracketry::experiment::comparable;
 use bracketry::lie::analysis::RankChange;
+use bracketry::report::NextExperiment;
 use bracketry::sim::Hold;
 use bracketry::system::System;
 use clap::Args;
@@ -35,6 +37,9 @@ pub(crate) const EXAMPLES: [(&str, &str); 4] = [
     ("Rename columns", "bracketry diagnose slider.toml log.csv --rename force=u,pos=x"),
     ("Fix a parameter that is known well", "bracketry diagnose slider.toml log.csv --fix m --json"),
 ];
+
+/// Most next experiments that are named: each takes away one rival, and mostly others with it.
+const MOST_NEXT: usize = 3;
 
 /// Arguments of `diagnose`.
 #[derive(Args)]
@@ -137,7 +142,11 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
     };
     progress.set_message("ranks of the extended model");
     let ranks = model.and_then(|model| RankChange::of_systems(&system, &model.system));
-    let diagnosis = Diagnosis { report, ranks, extended_model };
+    let next_experiments = match &extended_model {
+        Some(extended) => next_experiments(&args.model, extended, &report, &records)?,
+        None => Vec::new(),
+    };
+    let diagnosis = Diagnosis { report, ranks, extended_model, next_experiments };
     if let Some(dir) = &output.out {
         progress.set_message("drawing");
         write_files(dir, &diagnosis)?;
@@ -157,6 +166,69 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
         }
     }
     Ok(outcome(&diagnosis.report))
+}
+
+/// Writes the models of rivals beside the extended one, and says how to design the experiments that tell them from it.
+fn next_experiments(
+    model: &Path,
+    extended: &Path,
+    report: &Report,
+    records: &[Record],
+) -> anyhow::Result<Vec<NextExperiment>> {
+    let Some(found) = &report.evidence.model else { return Ok(Vec::new()) };
+    let mut next = Vec::new();
+    for RivalModel { cause, rival, model: other } in report.evidence.rivals.iter().take(MOST_NEXT) {
+        // Delays of sensors stand in no equation.
+        let is_whole = found.notes.is_empty() && other.notes.is_empty();
+        let limits = limits(&found.system, records);
+        let (true, Some(limits)) = (is_whole && comparable([&found.system, &other.system]).is_ok(), limits) else {
+            continue;
+        };
+        let path = extended.with_file_name(format!("rival_{}.toml", next.len() + 1));
+        write(&path, &other.to_toml()?)?;
+        let duration = |r: &Record| r.times.last().zip(r.times.first()).map_or(0.0, |(end, start)| end - start);
+        let longest = records.iter().map(duration).fold(0.0, f64::max);
+        let command = format!(
+            "bracketry experiment {} --tell {},{}{limits} --duration {}{}",
+            model.display(),
+            extended.display(),
+            path.display(),
+            significant(longest, 3),
+            measured(records)
+        );
+        next.push(NextExperiment { cause: *cause, rival: *rival, command });
+    }
+    Ok(next)
+}
+
+/// The options with what was measured, and with the noise that was found in it.
+fn measured(records: &[Record]) -> String {
+    let columns = records.first().and_then(|r| r.audit.as_ref()).map_or(&[][..], |a| &a.columns[..]);
+    let measured: Vec<_> = columns.iter().filter(|c| !c.input).collect();
+    let names: Vec<&str> = measured.iter().map(|c| c.name.as_str()).collect();
+    let known = measured.iter().filter_map(|c| Some((&c.name, c.noise.filter(|n| *n > 0.0)?)));
+    let noise: Vec<String> = known.map(|(name, std)| format!("{name}={}", significant(std, 3))).collect();
+    let option =
+        |name: &str, entries: String| if entries.is_empty() { entries } else { format!(" --{name} {entries}") };
+    option("measure", names.join(",")) + &option("noise", noise.join(","))
+}
+
+/// The option with the range of every input in the data, its value at rest included, unless the model has one; none where an input never moves.
+fn limits(system: &System, records: &[Record]) -> Option<String> {
+    let rest = system.point_values().map_or_else(|| vec![0.0; system.inputs.len()], |(_, u)| u);
+    let mut entries = Vec::new();
+    for (j, name) in system.input_names().iter().enumerate() {
+        if system.range_of_input(j).is_some_and(|(low, high)| low.is_finite() && high.is_finite()) {
+            continue;
+        }
+        let values = records.iter().filter_map(|r| r.inputs.get(j)).flat_map(|s| s.values.iter().copied());
+        let (low, high) = values.fold((rest[j], rest[j]), |(low, high), v| (low.min(v), high.max(v)));
+        if low == high {
+            return None;
+        }
+        entries.push(format!("{name}={}..{}", significant(low, 3), significant(high, 3)));
+    }
+    Some(if entries.is_empty() { String::new() } else { format!(" --limits {}", entries.join(",")) })
 }
 
 fn outcome(report: &Report) -> Outcome {

@@ -65,6 +65,9 @@ pub(crate) struct ExperimentArgs {
     /// Time between two samples in seconds [default: a two-hundredth of the duration]
     #[arg(long, value_name = "DT", allow_negative_numbers = true)]
     sample: Option<f64>,
+    /// What is measured: outputs or states [default: the outputs of the models, or else their states]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    measure: Vec<String>,
     /// Standard deviations of the noise of measured columns [default: 1 % of their limits or ranges]
     #[arg(long, value_name = "NAME=STD,…", value_delimiter = ',', value_parser = sensor)]
     noise: Vec<(String, f64)>,
@@ -98,6 +101,7 @@ pub(crate) fn run(args: &ExperimentArgs, output: &CommonArgs) -> anyhow::Result<
     let options = ExperimentOptions {
         sample: args.sample,
         limits: limits.iter().map(|b| Limit::new(&b.name, b.low, b.high)).collect(),
+        measured: args.measure.clone(),
         noise: args.noise.clone(),
         fixed: args.fix.clone(),
         starts: args.starts,

@@ -82,7 +82,7 @@ impl Story {
             on_equations,
             as_published,
             logs,
-            diagnosis: Diagnosis { report, ranks, extended_model: None },
+            diagnosis: Diagnosis { report, ranks, extended_model: None, next_experiments: Vec::new() },
             extended_analysis,
             extended,
             seconds: 0.0,

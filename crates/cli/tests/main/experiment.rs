@@ -70,3 +70,28 @@ fn the_exit_code_tells_what_is_resolved_from_what_is_not_and_from_bad_input() {
     let o = bracketry(&["experiment", &model, "--parameters", "m", "--duration", "4"]);
     assert!(code(&o) == 2 && text(&o.stderr).contains("--limits u=LOW..HIGH"), "{}", text(&o.stderr));
 }
+
+/// The cart has quadratic drag. At one speed, nothing tells it from viscous friction; the experiment that the diagnosis names does.
+#[test]
+fn the_diagnosis_ends_with_an_experiment_that_tells_its_causes_apart() {
+    let dir = scratch("experiment_after_diagnosis");
+    let cart = "states = ['x', 'v']\ninputs = ['u']\nparameters = { m = 1 }\ndynamics = { x = 'v', v = 'u/m' }\n";
+    let model = file(&dir, "cart.toml", cart);
+    let truth = file(&dir, "truth.toml", &cart.replace("u/m", "(u - 0.7*v*abs(v))/m"));
+    let rows: Vec<String> =
+        (0..=500).map(|k| 0.02 * f64::from(k)).map(|t| format!("{t},{}\n", 0.35 + 0.02 * (0.9 * t).cos())).collect();
+    let slow = file(&dir, "slow.csv", &format!("t,u\n{}", rows.concat()));
+    let (run, out) = (dir.join("run"), dir.join("out"));
+    let noise = ["--noise", "x=0.04,v=0.04", "--seed", "1", "--out", run.to_str().unwrap()];
+    json(&[&["simulate", &truth, "--inputs", &slow, "--json"][..], &noise].concat());
+    let measured = run.join("measured.csv");
+    let found = json(&["diagnose", &model, measured.to_str().unwrap(), "--json", "--out", out.to_str().unwrap()]);
+    assert_eq!(found["causes"][0]["name"], "quadratic_drag", "{}", found["causes"]);
+    let next = found["next_experiments"].as_array().unwrap();
+    let viscous = next.iter().find(|n| n["rival"] == "viscous_friction").unwrap();
+    let command: Vec<&str> = viscous["command"].as_str().unwrap().split(' ').skip(1).collect();
+    let told = json(&[&command[..], &["--starts", "0", "--json"]].concat());
+    assert_eq!(told["resolved"], true, "{}", told["separations"]);
+    assert_eq!(told["noise"][0]["source"], "given");
+    assert!(std::fs::read_to_string(out.join("diagnosis.txt")).unwrap().contains("Next experiment, to distinguish"));
+}

@@ -249,6 +249,17 @@ pub struct Report {
     pub evidence: Evidence,
 }
 
+/// The given model with a rival in the place of a cause, fitted to the same data.
+#[derive(Clone, Debug)]
+pub struct RivalModel {
+    /// The cause.
+    pub cause: Cause,
+    /// The rival.
+    pub rival: Cause,
+    /// The model.
+    pub model: ExtendedModel,
+}
+
 /// What files and figures are made from.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
@@ -258,6 +269,8 @@ pub struct Evidence {
     pub extended: Option<Fit>,
     /// The extended model.
     pub model: Option<ExtendedModel>,
+    /// The model extended by a rival in the place of a named cause: the best one of every other name.
+    pub rivals: Vec<RivalModel>,
     /// What figures of the gain are made from.
     pub held_out: Option<HeldOut>,
 }

@@ -11,7 +11,7 @@ pub use columns::{ColumnFault, OtherUnit, Rescaling, ScaledColumn, TemperatureSc
 pub(crate) use complete::{Fits, intervals};
 pub use diagnosis::{
     Candidate, Combination, Evidence, Excess, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration,
-    Rival, Value, Verdict,
+    Rival, RivalModel, Value, Verdict,
 };
 pub use note::{Closeness, Flag, Note, Repetition};
 pub use reason::{Caveat, Doubt, Mispredicted, NoMotion, OtherHold, Outcome, SmallGain, VerdictReason};

@@ -131,6 +131,7 @@ impl Report {
         self.notes.retain(|note| !matches!(note, Note::ExtendedModel(_)));
         self.evidence.extended = None;
         self.evidence.model = None;
+        self.evidence.rivals.clear();
         self.evidence.held_out = None;
     }
 }

@@ -12,11 +12,11 @@ use super::proven::worth;
 use super::ranking::ranking;
 use super::search::Search;
 use crate::report::{
-    Closeness, Evidence, Excess, Flag, NamedCause, Note, Outcome, RefittedParameter, Report, Rival, Value, Verdict,
-    VerdictReason,
+    Closeness, Evidence, Excess, Flag, NamedCause, Note, Outcome, RefittedParameter, Report, Rival, RivalModel, Value,
+    Verdict, VerdictReason,
 };
 use crate::settings::DiagnosisSettings;
-use crate::{Cause, Change, Effect, Effort, Estimate, Path, Role, separating_experiment};
+use crate::{Cause, Change, Effect, Effort, Estimate, ExtendedModel, Path, Role, separating_experiment};
 
 pub(super) fn report(
     system: &System,
@@ -82,9 +82,27 @@ pub(super) fn report(
         effort: Effort::default(),
         seconds: 0.0,
         data: Vec::new(),
-        evidence: Evidence::default(),
+        evidence: Evidence { rivals: rival_models(system, search, findings, &causes), ..Evidence::default() },
         causes,
     }
+}
+
+/// The models with rivals in the place of each named cause: the best one of every other name.
+fn rival_models(system: &System, search: &Search<'_>, findings: &Findings, causes: &[NamedCause]) -> Vec<RivalModel> {
+    let mut models: Vec<RivalModel> = Vec::new();
+    let pairs = causes.iter().zip(&findings.rivals).filter(|(cause, _)| cause.name != Cause::UnknownTerm);
+    for (cause, (candidate, explanation)) in pairs.flat_map(|(cause, rivals)| rivals.iter().map(move |r| (cause, r))) {
+        let rival = search.candidates[*candidate].cause;
+        let known = models.iter().any(|m| m.cause == cause.name && m.rival == rival);
+        if known || rival == cause.name || rival == Cause::UnknownTerm {
+            continue;
+        }
+        // One that no equation can say has no model.
+        if let Ok(model) = ExtendedModel::new(system, &explanation.fit, findings.scatter.width()) {
+            models.push(RivalModel { cause: cause.name, rival, model });
+        }
+    }
+    models
 }
 
 fn reason(findings: &Findings, causes: &[NamedCause]) -> VerdictReason {

@@ -11,7 +11,7 @@ mod text;
 use std::fmt;
 use std::path::PathBuf;
 
-use bracketry_diagnose::Report;
+use bracketry_diagnose::{Cause, Report};
 use bracketry_lie::analysis::RankChange;
 use serde::{Serialize, Serializer};
 
@@ -29,6 +29,19 @@ pub struct Diagnosis {
     pub ranks: Option<RankChange>,
     /// The file of the extended model, if it was written.
     pub extended_model: Option<PathBuf>,
+    /// Commands that design the next experiment, where causes are confusable and the models were written.
+    pub next_experiments: Vec<NextExperiment>,
+}
+
+/// The command that designs an experiment which distinguishes a cause from a rival.
+#[derive(Clone, Debug, Serialize)]
+pub struct NextExperiment {
+    /// The cause.
+    pub cause: Cause,
+    /// The rival.
+    pub rival: Cause,
+    /// The command line.
+    pub command: String,
 }
 
 impl Serialize for Diagnosis {
@@ -40,18 +53,23 @@ impl Serialize for Diagnosis {
             report: DiagnosisJson<'a>,
             #[serde(skip_serializing_if = "Option::is_none")]
             ranks: Option<&'a RankChange>,
+            #[serde(skip_serializing_if = "<[_]>::is_empty")]
+            next_experiments: &'a [NextExperiment],
         }
         let report = DiagnosisJson::of(&self.report, self.extended_model.as_deref());
-        Whole { report, ranks: self.ranks.as_ref() }.serialize(serializer)
+        Whole { report, ranks: self.ranks.as_ref(), next_experiments: &self.next_experiments }.serialize(serializer)
     }
 }
 
 impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&text(&self.report, self.extended_model.as_deref()))?;
-        match &self.ranks {
-            Some(ranks) => write!(f, "\n{}", rank_change_text(ranks)),
-            None => Ok(()),
+        if let Some(ranks) = &self.ranks {
+            write!(f, "\n{}", rank_change_text(ranks))?;
         }
+        for next in &self.next_experiments {
+            writeln!(f, "\nNext experiment, to distinguish {} from {}:\n  {}", next.cause, next.rival, next.command)?;
+        }
+        Ok(())
     }
 }
