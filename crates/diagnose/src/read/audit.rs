@@ -218,7 +218,7 @@ impl fmt::Display for Audit {
                     write!(f, "by a spline through the samples")?;
                 }
                 (_, _, Some(bandwidth)) => {
-                    write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} {}", self.time_unit.frequency())?
+                    write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} {}", self.time_unit.frequency())?;
                 }
                 (_, Some(true), _) => write!(f, "input, linear interpolation between samples")?,
                 _ => write!(f, "input, held between samples")?,
