@@ -56,7 +56,7 @@ pub enum DiagnoseError {
         samples: usize,
     },
     /// Windows of a length that the data do not have.
-    #[error("the data cannot be cut into windows of {length} s (--window); choose {shortest:.3e} to {longest:.3e} s")]
+    #[error("the data cannot be cut into windows of {length} (--window); choose {shortest:.3e} to {longest:.3e}")]
     WindowLength {
         /// The length asked for, s.
         length: f64,
@@ -130,9 +130,9 @@ pub enum DiagnoseError {
     },
     /// All that the model does is over between two samples.
     #[error(
-        "`{record}`: the samples are {step} s apart, in which even the slowest mode of the model completes {turns:.1} \
-         cycles: model and data use different units of time; t is in seconds: divide it by 1000 if it counts milliseconds, \
-         by the rate if it counts samples"
+        "`{record}`: the samples are {step} apart in time, in which even the slowest mode of the model completes {turns:.1} \
+         cycles: model and data use different units of time; t is in the unit of time of the model: divide it by 1000 if it counts \
+         thousandths of it, by the rate if it counts samples"
     )]
     TimeScale {
         /// The record.
@@ -144,8 +144,8 @@ pub enum DiagnoseError {
     },
     /// A simulation over the data takes too long.
     #[error(
-        "`{record}`: a simulation takes {per_sample} steps from one sample to the next ({step} s): the model is far faster than the \
-         data; check that t is in seconds and the values of the parameters, or replace fast dynamics by their steady state"
+        "`{record}`: a simulation takes {per_sample} steps from one sample to the next ({step} in time): the model is far faster than the \
+         data; check that t is in the unit of time of the model, and the values of the parameters, or replace fast dynamics by their steady state"
     )]
     Effort {
         /// The record.

@@ -25,12 +25,14 @@ pub struct Scene {
     pub trajectories: Vec<RecordedMotion>,
     /// Where the object should arrive.
     pub target: Option<Pose>,
+    /// Unit of the times; empty for none.
+    pub time_unit: String,
 }
 
 impl Scene {
     /// A view of an object of this shape, still without motions.
     pub fn new(title: impl Into<String>, outline: Outline) -> Self {
-        Self { title: title.into(), outline, trajectories: Vec::new(), target: None }
+        Self { title: title.into(), outline, trajectories: Vec::new(), target: None, time_unit: "s".to_owned() }
     }
 
     setters! {
@@ -38,6 +40,8 @@ impl Scene {
         trajectory(trajectory: RecordedMotion) |it| it.trajectories.push(trajectory);
         /// Sets the pose to be reached.
         target(pose: Pose) |it| it.target = Some(pose);
+        /// Sets the unit of the times, which are seconds otherwise; empty for none.
+        time_unit(unit: impl Into<String>) |it| it.time_unit = unit.into();
     }
 
     fn check(&self) -> Result<()> {
@@ -77,7 +81,8 @@ impl Scene {
     fn entries(&self) -> Vec<(Sample, String)> {
         let entry = |(k, trajectory): (usize, &RecordedMotion)| {
             let (start, end) = trajectory.span()?;
-            let times = format!("{}\u{a0}to\u{a0}{}\u{a0}s", short(start), short(end));
+            let unit = if self.time_unit.is_empty() { String::new() } else { format!("\u{a0}{}", self.time_unit) };
+            let times = format!("{}\u{a0}to\u{a0}{}{unit}", short(start), short(end));
             let name = match trajectory.name.as_str() {
                 "" => times,
                 name => format!("{name}, {times}"),

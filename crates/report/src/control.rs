@@ -96,7 +96,11 @@ impl fmt::Display for Text<'_> {
             s.median,
             s.p99,
             s.max,
-            period(report.period_ms, report.time_unit)
+            if report.time_unit.is_second() {
+                format!("{} ms", readable(report.period_ms))
+            } else {
+                report.time_unit.text(readable(report.period))
+            }
         )?;
         match report.constraint_violation_max {
             0.0 => write!(f, "bounds         all kept")?,
@@ -141,15 +145,6 @@ impl fmt::Display for Text<'_> {
             writeln!(f, "note           {said}")?;
         }
         Ok(())
-    }
-}
-
-/// A sampling period in the unit of time of the model, in milliseconds where that is the second.
-fn period(milliseconds: f64, unit: TimeUnit) -> String {
-    match unit.seconds() {
-        None => "of a time without unit".to_owned(),
-        Some(1.0) => format!("{} ms", readable(milliseconds)),
-        Some(seconds) => unit.text(readable(1e-3 * milliseconds / seconds)),
     }
 }
 

@@ -82,16 +82,9 @@ impl Quantities {
         format!("{label}{name}{}", bracketed(self.unit(name)))
     }
 
-    /// The title of an axis for a time derivative: `X'' [m/s²]`.
-    pub fn title_of_derivative(&self, name: &str, order: u32) -> String {
-        let label = self.label(name).map_or_else(String::new, |label| format!("{label} "));
-        let primes = "'".repeat(order as usize);
-        format!("{label}{name}{primes}{}", bracketed(self.unit_of_derivative(name, order).as_deref()))
-    }
-
     /// The title of the axis of a time, such as `time` or `duration`: `time [s]`.
     pub fn time_title(&self, what: &str) -> String {
-        format!("{what}{}", bracketed(Some(self.time_unit.symbol())))
+        format!("{what}{}", bracketed(Some(self.time_unit.name())))
     }
 }
 

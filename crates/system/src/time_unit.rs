@@ -89,6 +89,11 @@ impl TimeUnit {
         *self == Self::Second
     }
 
+    /// Its symbol where it has one: nothing for a time without unit.
+    pub fn name(self) -> &'static str {
+        if self == Self::Dimensionless { "" } else { self.symbol() }
+    }
+
     /// A time in this unit as text: `3 h`, or the number alone where there is no unit.
     pub fn text(self, time: impl std::fmt::Display) -> String {
         match self {

@@ -47,7 +47,7 @@ pub(crate) struct DiagnoseArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     model: PathBuf,
-    /// Measured runs (CSV or NPZ): a column t in seconds, one per measured state or output, one per input
+    /// Measured runs (CSV or NPZ): a column t with the time, one per measured state or output, one per input
     #[arg(required = true, value_name = "DATA", value_hint = clap::ValueHint::FilePath)]
     data: Vec<PathBuf>,
     /// Model names of columns, such as force=u
@@ -62,10 +62,10 @@ pub(crate) struct DiagnoseArgs {
     /// Parameters that keep their values
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     fix: Vec<String>,
-    /// Length of the windows in seconds; by default chosen from the data
+    /// Length of the windows in time; by default chosen from the data
     #[arg(long, allow_negative_numbers = true, value_name = "S")]
     window: Option<f64>,
-    /// Horizons in seconds at which predictions are compared; by default chosen from the data
+    /// Horizons of time at which predictions are compared; by default chosen from the data
     #[arg(long, value_name = "S,…", value_delimiter = ',', allow_negative_numbers = true)]
     horizon: Vec<f64>,
     /// Another model of the same system: terms of its equations that MODEL lacks become candidates

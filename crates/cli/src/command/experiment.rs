@@ -59,10 +59,10 @@ pub(crate) struct ExperimentArgs {
     /// Limits of inputs, of their rates, and of states, such as "u=-1..1,der(u)=-4..4,x=-0.2..0.2" [default for inputs: their ranges]
     #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true)]
     limits: Option<String>,
-    /// Duration in seconds
+    /// Duration
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     duration: f64,
-    /// Time between two samples in seconds [default: a two-hundredth of the duration]
+    /// Time between two samples [default: a two-hundredth of the duration]
     #[arg(long, value_name = "DT", allow_negative_numbers = true)]
     sample: Option<f64>,
     /// What is measured: outputs or states [default: the outputs of the models, or else their states]

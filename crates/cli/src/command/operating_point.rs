@@ -145,7 +145,7 @@ pub(crate) struct LinearizeArgs {
     /// Noise of each output in the Kalman filter, as an intensity
     #[arg(long, value_name = "W,…", value_delimiter = ',', allow_negative_numbers = true)]
     measurement_noise: Vec<f64>,
-    /// Upper limit of the Gramian integrals in seconds; by default infinite for a stable system
+    /// Upper limit of the Gramian integrals over time; by default infinite for a stable system
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     horizon: Option<f64>,
 }

@@ -53,7 +53,7 @@ pub(crate) struct SteerArgs {
     /// State at the end; unnamed states are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     to: String,
-    /// Duration of the motion in seconds [default: long enough for the ranges of the inputs]
+    /// Duration of the motion [default: long enough for the ranges of the inputs]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Bounds of inputs and of their derivatives for --method loops, such as "der(X,2)=-4..4,theta=-0.2..0.2"

@@ -62,12 +62,17 @@ fn horizons(longest: f64, window: f64, step: f64, settings: &PredictionSettings)
     let last = usual.iter().copied().fold(0.0, f64::max);
     let unit = if window > settings.slow_window * last { two_digits(window) / last } else { 1.0 };
     let fits = |h: &f64| *h < longest && *h >= settings.fewest_samples * step;
-    let standard: Vec<f64> = usual.iter().map(|h| h * unit).filter(fits).collect();
+    let standard: Vec<f64> = usual.iter().map(|h| rounded(h * unit)).filter(fits).collect();
     if standard.len() >= 2 {
         return standard;
     }
     let parts = settings.horizon_shares.iter().map(|s| two_digits(s * longest));
     parts.filter(|h| *h > 0.0).collect()
+}
+
+/// A product without the rounding of binary fractions in its last digits.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.9e}").parse().unwrap_or(x)
 }
 
 /// A positive number rounded down to two significant digits.

@@ -6,7 +6,7 @@ use bracketry_symbolic::{Expr, Symbol};
 
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
 use super::names::TIME_INPUT;
-use super::structure::{Coordinate, Kind, is_angle, is_constant};
+use super::structure::{Coordinate, Kind, is_angle, is_constant, time_unit};
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
 
@@ -35,7 +35,11 @@ impl Builder {
             let x = self.state(row);
             let one = [(row, self.system.pool.int(1))];
             let k = self.name("bias", &x);
-            let coefficient = amplitude(k.clone(), "", format!("constant rate of {x}"));
+            let coefficient = amplitude(
+                k.clone(),
+                self.system.quantities.unit_of_derivative(&x, 1).unwrap_or_default(),
+                format!("constant rate of {x}"),
+            );
             self.along(Cause::ConstantBias, row, &one, &k, vec![coefficient])?;
             for (cause, base, law, about) in [
                 (Cause::Leak, "leak", format!("*{x}"), "proportional to"),
@@ -124,9 +128,9 @@ impl Builder {
                 Kind::Angle => self.settings.ripples_per_turn.iter().map(|n| TAU / n).collect(),
                 Kind::Translation => log_grid(extent / 20.0, extent, 6),
             };
-            self.wave(c, "ripple", &q, &q, trials, c.kind.unit())?;
+            self.wave(c, "ripple", &q, &q, trials, &c.length_unit)?;
         }
-        self.wave(c, "hum", &v, TIME_INPUT, log_grid(0.02, 2.0, 6), "s")
+        self.wave(c, "hum", &v, TIME_INPUT, log_grid(0.02, 2.0, 6), time_unit(&self.system))
     }
 
     fn wave(

@@ -109,7 +109,7 @@ impl Builder {
                 "static minus sliding friction ({form}: decays with speed); negative: a concave law, friction grows from rest"
             );
             let c = Coefficient { min: -at_rest, ..amplitude(k.clone(), unit, about) };
-            let unit = format!("{}/s", first.kind.unit());
+            let unit = first.speed_unit();
             let speed = shape(s, trials.clone(), unit, "speed at which the change of friction decays");
             let law = match &sliding {
                 Some(level) => format!("-({} + {k}*{fade})", level.name),

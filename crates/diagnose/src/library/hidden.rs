@@ -67,7 +67,12 @@ impl Builder {
             },
             Coefficient {
                 min: slowest,
-                ..shape(f.clone(), frequencies.to_vec(), "Hz", "its natural frequency with the coordinate held")
+                ..shape(
+                    f.clone(),
+                    frequencies.to_vec(),
+                    self.system.quantities.time_unit.frequency(),
+                    "its natural frequency with the coordinate held",
+                )
             },
             Coefficient {
                 min: 0.0,

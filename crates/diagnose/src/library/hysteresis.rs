@@ -43,7 +43,7 @@ impl Builder {
                 ..shape(
                     s.clone(),
                     DISTANCES.map(|share| share * extent).to_vec(),
-                    c.kind.unit(),
+                    c.length_unit.clone(),
                     "distance over which the force builds up",
                 )
             },

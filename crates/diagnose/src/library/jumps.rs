@@ -6,6 +6,7 @@ use bracketry_system::System;
 use super::builder::{Builder, amplitude, shape};
 use super::names::{TIME_INPUT, symbols};
 use super::paths::interval;
+use super::structure::time_unit;
 use crate::effect::{Cause, Change, Coefficient, Effect};
 use crate::error::DiagnoseError;
 use crate::formula::Formula;
@@ -96,7 +97,8 @@ impl Builder {
     fn forces(&mut self) -> Vec<Place> {
         let one = self.system.pool.int(1);
         let coordinates = self.structure.coordinates.iter().map(|c| (c.rate, c.force.clone(), c.force_unit.clone()));
-        let others = self.structure.others.iter().map(|&row| (row, vec![(row, one)], String::new()));
+        let rate_unit = |row: usize| self.system.quantities.unit_of_derivative(&self.state(row), 1).unwrap_or_default();
+        let others = self.structure.others.iter().map(|&row| (row, vec![(row, one)], rate_unit(row)));
         let place = |(row, direction, unit)| {
             let direction: Vec<(usize, Expr)> = direction;
             let along: Vec<(String, String)> =
@@ -140,7 +142,12 @@ impl Builder {
         let at = Coefficient {
             min: from,
             max: to,
-            ..shape(self.name("jump_time", &place.name), vec![0.5 * (from + to)], "s", "time of the change, in the log")
+            ..shape(
+                self.name("jump_time", &place.name),
+                vec![0.5 * (from + to)],
+                time_unit(&self.system),
+                "time of the change, in the log",
+            )
         };
         let law = format!("{}*{}", change.name, step(&at.name, &format!("{:e}", interval(records))));
         let how = format!("from t = {}", at.name);
@@ -156,13 +163,18 @@ impl Builder {
         let at = Coefficient {
             min: from,
             max: to,
-            ..shape(middle, shares(from, [0.25, 0.5, 0.75]), "s", "time of the middle of the change, in the log")
+            ..shape(
+                middle,
+                shares(from, [0.25, 0.5, 0.75]),
+                time_unit(&self.system),
+                "time of the middle of the change, in the log",
+            )
         };
         let lasting = self.name("ramp_duration", &place.name);
         let duration = Coefficient {
             min: interval(records),
             max: 2.0 * all,
-            ..shape(lasting, shares(0.0, [0.25, 0.5, 1.0]), "s", "time that the change takes")
+            ..shape(lasting, shares(0.0, [0.25, 0.5, 1.0]), time_unit(&self.system), "time that the change takes")
         };
         let law = format!("{}*{}", change.name, step(&at.name, &duration.name));
         let how = format!("along a straight line of {} around t = {}", duration.name, at.name);

@@ -4,7 +4,7 @@ use bracketry_numerics::statistics::{median, rms, steps};
 use bracketry_symbolic::{Fence, Joint, Notation, Relation};
 
 use super::builder::{Builder, amplitude, dissipation, log_grid};
-use super::structure::{Coordinate, Kind};
+use super::structure::{Coordinate, Kind, time_unit};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::formula::Formula;
 use crate::record::Record;
@@ -55,7 +55,8 @@ impl Builder {
             let k = self.name("offset", &identifier(&name));
             let about = format!("offset of {name}: reading minus true value");
             let scale = if scale > 0.0 { scale } else { 1.0 };
-            let c = Coefficient { scale, ..amplitude(k.clone(), "", about) };
+            let unit = self.system.quantities.unit(&name).unwrap_or_default();
+            let c = Coefficient { scale, ..amplitude(k.clone(), unit, about) };
             let shown = Notation::Sum(symbols(&[name.clone(), k.clone()]));
             let term = Formula::new(format!("{name} + {k}"), shown);
             self.path(Cause::SensorBias, Path::SensorBias, vec![name], term, c);
@@ -75,8 +76,10 @@ impl Builder {
             return;
         }
         let k = self.name("drift", &identifier(&name));
-        let about = format!("drift of {name}: change of reading minus true value, per second from the start of a run");
-        let c = Coefficient { scale, ..amplitude(k.clone(), "", about) };
+        let about =
+            format!("drift of {name}: change of reading minus true value, per unit of time from the start of a run");
+        let unit = self.system.quantities.unit_of_derivative(&name, 1).unwrap_or_default();
+        let c = Coefficient { scale, ..amplitude(k.clone(), unit, about) };
         let growing = Notation::Product(symbols(&[k.clone(), "t".to_owned()]));
         let shown = Notation::Sum(vec![Notation::symbol(&name), growing]);
         let term = Formula::new(format!("{name} + {k}*t"), shown);
@@ -146,7 +149,7 @@ impl Builder {
             max: 10.0 * longest.max(interval),
             scale: interval,
             trials: log_grid(0.5 * interval, longest.max(20.0 * interval), trials),
-            ..dissipation(k, "s", format!("{shown} {what}"))
+            ..dissipation(k, time_unit(&self.system), format!("{shown} {what}"))
         };
         self.path(cause, path, signals, term, c);
     }

@@ -1,7 +1,7 @@
 //! What a model is made of mechanically: coordinates and their rates, kinds, forces, dry friction, gravity.
 
 use bracketry_symbolic::{Expr, Func, Node, Symbol};
-use bracketry_system::{SwitchKind, System};
+use bracketry_system::{SwitchKind, System, TimeUnit};
 use rustc_hash::FxHashMap;
 
 use super::probe::Probe;
@@ -55,6 +55,10 @@ pub(crate) struct Coordinate {
     pub(crate) friction: Option<DryFriction>,
     /// Whether any switching function, steep function or unit vector of this rate acts in its equation.
     pub(crate) has_dry_friction: bool,
+    /// Unit of the coordinate.
+    pub(crate) length_unit: String,
+    /// Symbol of the unit of time; empty for a time without unit.
+    pub(crate) time_unit: &'static str,
     /// Unit of the force.
     pub(crate) force_unit: String,
 }
@@ -63,9 +67,10 @@ impl Coordinate {
     /// Unit of a coefficient that multiplies the coordinate `q` times and its rate `v` times to give a force; empty if that
     /// of the force is not known.
     pub(crate) fn unit(&self, q: i32, v: i32) -> String {
-        let length = self.kind.unit();
+        let (length, time) = (self.length_unit.as_str(), self.time_unit);
         let power = |base: &str, k: i32| match k {
             0 => String::new(),
+            _ if base.is_empty() => String::new(),
             1 => base.to_owned(),
             _ => format!("{base}^{k}"),
         };
@@ -77,7 +82,7 @@ impl Coordinate {
         if self.input.is_none() {
             // m/s² over m^degree s^-v
             let above = power(length, 1 - degree.min(1));
-            let below = join([power(length, (degree - 1).max(0)), power("s", 2 - v)]);
+            let below = join([power(length, (degree - 1).max(0)), power(time, 2 - v)]);
             return match (above.is_empty(), below.is_empty(), below.contains(' ')) {
                 (_, true, _) if above.is_empty() => "1".to_owned(),
                 (_, true, _) => above,
@@ -86,12 +91,22 @@ impl Coordinate {
                 (false, _, _) => format!("{above}/{below}"),
             };
         }
-        let above = join([self.force_unit.clone(), power("s", v)]);
+        let above = join([self.force_unit.clone(), power(time, v)]);
+        let degree = if length.is_empty() { 0 } else { degree };
         if degree == 0 { above } else { format!("{above}/{}", power(length, degree)) }
     }
 }
 
 impl Coordinate {
+    /// Unit of the rate.
+    pub(crate) fn speed_unit(&self) -> String {
+        if self.time_unit.is_empty() {
+            self.length_unit.clone()
+        } else {
+            format!("{}/{}", self.length_unit, self.time_unit)
+        }
+    }
+
     /// A joint: a rotation, or a translation with a drive of its own.
     pub(crate) fn is_joint(&self) -> bool {
         self.position.is_some() && (self.kind == Kind::Angle || self.input.is_some())
@@ -138,9 +153,22 @@ impl Structure {
                 Some(u) => column(system, u, rate),
                 None => vec![(rate, system.pool.int(1))],
             };
-            let force_unit = force_unit(system, rate, kind, input.is_some(), friction.as_ref());
+            let length_unit = length_unit(system, position, kind);
+            let force_unit = force_unit(system, rate, (kind, &length_unit), input, friction.as_ref());
+            let time_unit = time_unit(system);
             let has_dry_friction = friction.is_some() || resists(system, rate);
-            coordinates.push(Coordinate { position, rate, kind, force, input, friction, has_dry_friction, force_unit });
+            coordinates.push(Coordinate {
+                position,
+                rate,
+                kind,
+                force,
+                input,
+                friction,
+                has_dry_friction,
+                length_unit,
+                time_unit,
+                force_unit,
+            });
         }
         let known = |i: usize| list.iter().any(|&(q, v)| q == Some(i) || v == i);
         let others = (0..system.states.len()).filter(|&i| !known(i)).collect();
@@ -412,9 +440,34 @@ fn resists(system: &mut System, rate: usize) -> bool {
     })
 }
 
-fn force_unit(system: &System, rate: usize, kind: Kind, is_force: bool, friction: Option<&DryFriction>) -> String {
-    if !is_force {
-        return format!("{}/s^2", kind.unit());
+/// Symbol of the unit of time; empty for a time without unit.
+pub(crate) fn time_unit(system: &System) -> &'static str {
+    system.quantities.time_unit.name()
+}
+
+/// The unit that the model states of a coordinate, else that of its kind; a model in scaled time has none.
+fn length_unit(system: &System, position: Option<usize>, kind: Kind) -> String {
+    let stated = position.and_then(|q| system.quantities.unit(system.symbol_name(system.states[q])));
+    match system.quantities.time_unit {
+        _ if stated.is_some() => stated.unwrap_or_default().to_owned(),
+        TimeUnit::Dimensionless => String::new(),
+        _ => kind.unit().to_owned(),
+    }
+}
+
+fn force_unit(
+    system: &System,
+    rate: usize,
+    (kind, length): (Kind, &str),
+    input: Option<usize>,
+    friction: Option<&DryFriction>,
+) -> String {
+    let Some(input) = input else {
+        let time = time_unit(system);
+        return if time.is_empty() { length.to_owned() } else { format!("{length}/{time}^2") };
+    };
+    if let Some(stated) = system.quantities.unit(system.symbol_name(system.inputs[input])) {
+        return stated.to_owned();
     }
     let unit_of = |s: Symbol| system.parameters.iter().find(|p| p.symbol == s).and_then(|p| p.unit.clone());
     if let Some(unit) = friction.and_then(|f| f.coefficient).and_then(unit_of)

@@ -33,7 +33,7 @@ impl Clock {
             return Err(origin.at(row, "t", &problem, "sort the rows by time; split runs that start again"));
         }
         if times[0] == times[times.len() - 1] {
-            return Err(origin.whole("all times are the same", "give the time of each row in seconds"));
+            return Err(origin.whole("all times are the same", "give the time of each row"));
         }
         Ok(())
     }

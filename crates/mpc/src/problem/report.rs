@@ -107,6 +107,9 @@ pub struct ClosedLoopReport {
     pub late: LateSamples,
     /// Sampling period, ms; infinite where the time of the model has no unit.
     pub period_ms: f64,
+    /// The same in the unit of time of the model.
+    #[serde(skip)]
+    pub period: f64,
     /// The unit of all other times.
     #[serde(skip_serializing_if = "TimeUnit::is_second")]
     pub time_unit: TimeUnit,

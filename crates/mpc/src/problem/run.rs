@@ -118,6 +118,7 @@ impl ControlProblem {
             solve_ms: run.times,
             late: self.late_samples(&run),
             period_ms: 1e3 * self.period_seconds(),
+            period: self.ocp.dt,
             time_unit: self.system.quantities.time_unit,
             constraint_violation_max: violation.map_or(0.0, |v| v.by),
             constraint_violation_at: violation.map(|v| self.violated(&v, &constraints, run.t[v.sample])),

@@ -59,7 +59,7 @@ impl Reader<'_> {
         for key in ["integrator", "stages", "substeps", "growth", "lengths"] {
             if let Some(v) = horizon.get(key) {
                 let message =
-                    format!("`{key}` does not apply: the model is discrete in time, with a period of {period} s");
+                    format!("`{key}` does not apply: the model is discrete in time, with a period of {period}");
                 return Err(self.doc.error(v.span(), message, "write steps and dt alone, with dt the period").into());
             }
         }
@@ -83,9 +83,8 @@ impl Reader<'_> {
             return Ok(ratio.round() as usize);
         }
         let place = ["dt", "end_time", "lengths"].into_iter().find_map(|key| horizon.get(key));
-        let message = format!(
-            "the {whose} is discrete in time with a period of {period} s, and dt = {dt} s is not a multiple of it"
-        );
+        let message =
+            format!("the {whose} is discrete in time with a period of {period}, and dt = {dt} is not a multiple of it");
         let remedy = format!("write dt = {period}, or a multiple of it, over which the input is held");
         Err(self.doc.error(place.map_or(0..0, toml::Spanned::span), message, remedy).into())
     }

@@ -19,7 +19,7 @@ impl Reader<'_> {
         let doc = Columns::document(&self.folder.join(name), "name a CSV file: a table with a column t and inputs")?;
         let Columns { columns, .. } = Columns::parse(&doc, |_| Entries::Finite)?;
         let Some(times) = columns.get("t") else {
-            return Err(doc.missing("there is no column `t`", "add a column t with the time in seconds").into());
+            return Err(doc.missing("there is no column `t`", "add a column t with the time").into());
         };
         let mut found = false;
         for (j, input) in self.system.input_names().iter().enumerate() {

@@ -130,7 +130,7 @@ impl Reader<'_> {
         let doc = Columns::document(&self.folder.join(file), "name a CSV file: a table with a column t")?;
         let Columns { columns, header, lines } = Columns::parse(&doc, |_| Entries::Finite)?;
         let Some(times) = columns.get("t") else {
-            return Err(doc.missing("there is no column `t`", "add a column t with the time in seconds").into());
+            return Err(doc.missing("there is no column `t`", "add a column t with the time").into());
         };
         let Some(values) = columns.get(column.as_str()) else {
             let known: Vec<&str> = columns.keys().map(String::as_str).collect();

@@ -65,13 +65,17 @@ pub fn from_rest_map_json(map: &FromRestMap) -> Value {
     })
 }
 
-/// The title of the axis of `der(X,2)`: `X'' [m/s²]`.
+/// The title of the axis of `der(X,2)`: `largest |X''| [m/s²]`.
 fn axis(quantities: &Quantities, name: &str) -> String {
     let parts = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')?.rsplit_once(','));
-    match parts.and_then(|(input, order)| Some((input.trim(), order.trim().parse::<u32>().ok()?))) {
-        Some((input, order)) => quantities.title_of_derivative(input, order),
-        None => quantities.title(name),
-    }
+    let derivative = parts.and_then(|(input, order)| Some((input.trim(), order.trim().parse::<u32>().ok()?)));
+    let (what, unit) = match derivative {
+        Some((input, order)) => {
+            (format!("largest |{input}{}|", "'".repeat(order as usize)), quantities.unit_of_derivative(input, order))
+        }
+        None => (format!("largest deviation of {name}"), quantities.unit(name).map(str::to_owned)),
+    };
+    unit.map_or_else(|| what.clone(), |unit| format!("{what} [{unit}]"))
 }
 
 /// Cells by the coordinates that change.
@@ -94,7 +98,7 @@ pub fn from_rest_map_figure(quantities: &Quantities, map: &FromRestMap) -> Resul
             row.iter().map(&mut category).collect()
         })
         .collect();
-    let label = |name: &String| format!("largest deviation of {}", axis(quantities, name));
+    let label = |name: &String| axis(quantities, name);
     let mut figure = RegimeMap::new(label(&map.names[0]), label(&map.names[1]))
         .title(format!("{}: what changes from rest to rest", map.model))
         .cells(map.x.clone(), map.y.clone(), rows)

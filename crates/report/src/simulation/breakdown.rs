@@ -11,7 +11,7 @@ const SHOWN: usize = 80;
 pub fn stop(system: &System, run: &ScenarioRun) -> Option<String> {
     let Outcome::Stopped { reason, t, .. } = &run.simulation.outcome else { return None };
     let why = run.breakdown.as_ref().map_or_else(|| reason.to_string(), |b| breakdown(system, b));
-    Some(format!("stopped at t = {} s: {why}", readable(*t)))
+    Some(format!("stopped at t = {}: {why}", system.quantities.time_unit.text(readable(*t))))
 }
 
 /// What the equations of `system` do where a simulation stopped, and what to do about it.

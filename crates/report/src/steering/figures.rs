@@ -15,7 +15,9 @@ pub fn steering_figure(s: &Steering) -> Option<Result<Drawing, PlotError>> {
     let (run, signals) = (s.motion.as_ref()?, s.signals.as_ref()?);
     let times: Vec<f64> = (0..=POINTS).map(|k| signals.duration() * k as f64 / POINTS as f64).collect();
     let rows: Vec<Vec<f64>> = times.iter().map(|&t| run.trajectory.sample(t)).collect();
-    let mut chart = TimeSeries::new().title(s.system.name.clone()).time_label(s.system.quantities.time_title("time"));
+    let mut chart = TimeSeries::new()
+        .title(format!("{}: motion and inputs", s.system.name))
+        .time_label(s.system.quantities.time_title("time"));
     for (k, name) in s.system.state_names().into_iter().enumerate() {
         let values: Vec<f64> = rows.iter().map(|x| x[k]).collect();
         let panel = Panel::new(s.system.quantities.title(&name)).rounding(ROUNDING).series(Series::new(
@@ -60,11 +62,13 @@ pub fn steering_path(s: &Steering) -> Option<Result<Drawing, PlotError>> {
     let (length, width) = (0.045 * size, if angle.is_some() { 0.022 * size } else { 0.045 * size });
     let headings: Vec<f64> = rows.iter().map(|r| heading(r)).collect();
     let motion = RecordedMotion::new("motion", times, xs, ys, headings);
-    let scene = Scene::new(s.system.name.clone(), Outline::Ellipse { a: length, b: width })
+    let scene = Scene::new("", Outline::Ellipse { a: length, b: width })
         .trajectory(motion)
+        .time_unit(s.system.quantities.time_unit.name())
         .target(Pose::new(s.to[x], s.to[y], heading(&s.to)));
     Some(
         PlanView::new()
+            .title(format!("{}: path, seen from above", s.system.name))
             .labels(s.system.quantities.title("x"), s.system.quantities.title("y"))
             .stamps(12)
             .scene(scene)

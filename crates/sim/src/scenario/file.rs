@@ -40,9 +40,11 @@ impl Scenario {
         doc.only_keys(&table, &["duration", "sample", "x0", "inputs", "samples", "parameters"], "a scenario file")?;
         let positive = |key: &str| -> Result<Option<f64>, FileError> {
             match (doc.number(&table, key)?, table.get(key)) {
-                (Some(v), Some(at)) if v <= 0.0 => {
-                    Err(doc.error(at.span(), format!("`{key}` must be positive"), "write a time in seconds"))
-                }
+                (Some(v), Some(at)) if v <= 0.0 => Err(doc.error(
+                    at.span(),
+                    format!("`{key}` must be positive"),
+                    "write a time, in seconds unless the model states another time_unit",
+                )),
                 (v, _) => Ok(v),
             }
         };
@@ -53,7 +55,7 @@ impl Scenario {
         for (key, value) in [("duration", Some(end)), ("sample", sample)] {
             let (Some(period), Some(value), Some(at)) = (system.period, value, table.get(key)) else { continue };
             if !is_multiple(value, period) {
-                let message = format!("`{key}` is not a multiple of the model's period {period} s (discrete time)");
+                let message = format!("`{key}` is not a multiple of the model's period {period} (discrete time)");
                 let steps = (value / period).round().max(1.0);
                 return Err(doc.error(at.span(), message, format!("write {key} = {}, for example", steps * period)));
             }

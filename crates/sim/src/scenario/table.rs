@@ -40,7 +40,7 @@ pub(super) fn input_table(doc: &Document, system: &System, hold: Hold) -> Result
     let Columns { columns, lines, header } = Columns::parse(doc, |_| Entries::Finite)?;
     let Some(times) = columns.get("t") else {
         let message = format!("there is no column `t`; the columns are {}", header.join(", "));
-        return Err(doc.missing(message, "add a column t with the time in seconds, or rename the time column to t"));
+        return Err(doc.missing(message, "add a column t with the time, or rename the time column to t"));
     };
     let mut inputs = Inputs::new();
     let mut ignored = Vec::new();
