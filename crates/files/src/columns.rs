@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::document::{Document, FileError};
+use crate::unit::Unit;
 
 /// Tables larger than this are refused.
 const MAX_BYTES: u64 = 512 << 20;
@@ -32,6 +33,8 @@ pub struct Columns {
     pub header: Vec<String>,
     /// The line of each row, from 1.
     pub lines: Vec<u64>,
+    /// Units by column, where a row of units stands below the header.
+    pub units: BTreeMap<String, String>,
 }
 
 impl Columns {
@@ -50,6 +53,18 @@ impl Columns {
     /// [`FileError`] with line and column for what is no table, for entries that `entries` does not admit, for two columns of
     /// one name, and if there is no row.
     pub fn parse(doc: &Document, entries: impl Fn(&str) -> Entries) -> Result<Self, FileError> {
+        Self::read(doc, entries, false)
+    }
+
+    /// As [`Columns::parse`]; a row of units, such as `s,N,mm` or `[s],[N],[mm]`, may stand below the header.
+    ///
+    /// # Errors
+    /// As [`Columns::parse`].
+    pub fn parse_with_units(doc: &Document, entries: impl Fn(&str) -> Entries) -> Result<Self, FileError> {
+        Self::read(doc, entries, true)
+    }
+
+    fn read(doc: &Document, entries: impl Fn(&str) -> Entries, may_state_units: bool) -> Result<Self, FileError> {
         let (before, header, after) = split_header(doc.text());
         let header = quote_parentheses(header);
         let text = [before, &header, after].concat();
@@ -63,10 +78,16 @@ impl Columns {
         let entries: Vec<Entries> = header.iter().map(|name| entries(name)).collect();
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); header.len()];
         let mut lines = Vec::new();
+        let mut units = BTreeMap::new();
         for record in reader.records() {
             let line = |p: &csv::Position| p.line() + skipped_lines(&text, p.byte());
             let record = record.map_err(|e| unreadable(doc, &e, line))?;
             let line = record.position().map_or(0, line);
+            if let Some(row) = Some(&record).filter(|_| may_state_units && lines.is_empty()).and_then(units_of) {
+                let stated = header.iter().cloned().zip(row).filter(|(_, unit)| !unit.is_empty());
+                units.extend(stated);
+                continue;
+            }
             lines.push(line);
             for (k, field) in record.iter().enumerate() {
                 match (entries[k], field.parse::<f64>()) {
@@ -88,7 +109,7 @@ impl Columns {
         }
         let read = header.iter().cloned().zip(columns).zip(&entries);
         let columns = read.filter(|(_, kind)| **kind != Entries::Ignored).map(|(column, _)| column).collect();
-        Ok(Self { columns, header, lines })
+        Ok(Self { columns, header, lines, units })
     }
 
     /// Byte range of an entry in the text of the table, for [`Document::error`]: that of the line where the column is not in the
@@ -112,6 +133,15 @@ impl Columns {
             Some((input, order)) => Some((input.trim(), order.trim().parse().ok()?)),
         }
     }
+}
+
+/// The units of a row that has nothing but units, in brackets or not, some of which may be missing.
+fn units_of(record: &csv::StringRecord) -> Option<Vec<String>> {
+    let bare = |entry: &str| entry.trim_matches(['[', ']', '(', ')']).trim().to_owned();
+    let row: Vec<String> = record.iter().map(bare).collect();
+    let is_number = |entry: &String| entry.parse::<f64>().is_ok() && entry != "1";
+    let are_units = row.iter().all(|entry| !is_number(entry) && (entry.is_empty() || Unit::parse(entry).is_some()));
+    (are_units && row.iter().any(|entry| entry.chars().any(char::is_alphabetic))).then_some(row)
 }
 
 /// What separates the columns of a table whose header, seen as one column, is `only`, if it is no comma.

@@ -3,7 +3,9 @@
 mod columns;
 mod document;
 mod plausible;
+mod unit;
 
 pub use columns::{Columns, Entries};
 pub use document::{Document, FileError, Table, Value};
 pub use plausible::Plausible;
+pub use unit::Unit;

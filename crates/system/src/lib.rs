@@ -66,7 +66,7 @@ mod unknown_range;
 mod zero_denominator;
 
 pub use affine::{AffineForm, Affinization};
-pub use bracketry_files::{Columns, Document, Entries, FileError, Table, Value};
+pub use bracketry_files::{Columns, Document, Entries, FileError, Table, Unit, Value};
 pub use bracketry_symbolic as symbolic;
 pub use builder::Builder;
 pub use candidate::{Candidate, Method};

@@ -5,6 +5,7 @@ mod clock;
 mod consistency;
 mod decimate;
 mod driving;
+mod heading;
 mod noise;
 mod npy;
 mod npz;

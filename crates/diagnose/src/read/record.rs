@@ -10,6 +10,7 @@ use super::clock::Clock;
 use super::consistency::{check_angles, check_rates};
 use super::decimate::decimate;
 use super::driving::Driving;
+use super::heading::{heading, in_the_model};
 use super::noise::estimate_noise;
 use super::npz;
 use super::origin::Origin;
@@ -39,24 +40,28 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
             .into());
     }
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) {
-        let (columns, ignored) = npz::read(path, |name| role(settings.renamed(name), system).is_some())?;
+        let (columns, mut ignored) = npz::read(path, |name| heading(name, system, settings).is_some())?;
         let name = path.display().to_string();
         let origin = Origin { name: &name, table: None };
         let header: Vec<String> = columns.keys().cloned().chain(ignored.iter().cloned()).collect();
         settings.check(&origin, &header, system)?;
-        return build(&origin, settings.apply(&origin, columns)?, ignored, system, settings);
+        let (columns, left, said) = in_the_model(&origin, columns, &BTreeMap::new(), system, settings)?;
+        ignored.extend(left);
+        return build(&origin, columns, ignored, said, system, settings);
     }
     let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs, and what was measured")?;
-    let entries = |name: &str| match role(settings.renamed(name), system) {
+    let entries = |name: &str| match heading(name, system, settings).and_then(|h| role(&h.name, system)) {
         None => Entries::Ignored,
         Some(Role::Time) => Entries::Finite,
         Some(_) => Entries::MayBeLost,
     };
-    let Columns { columns, header, lines } = Columns::parse(&doc, entries)?;
+    let Columns { columns, header, lines, units } = Columns::parse_with_units(&doc, entries)?;
     let origin = Origin { name: doc.file(), table: Some((&doc, &header, &lines)) };
     settings.check(&origin, &header, system)?;
-    let ignored = header.iter().filter(|name| !columns.contains_key(*name)).cloned().collect();
-    build(&origin, settings.apply(&origin, columns)?, ignored, system, settings)
+    let mut ignored: Vec<String> = header.iter().filter(|name| !columns.contains_key(*name)).cloned().collect();
+    let (columns, left, said) = in_the_model(&origin, columns, &units, system, settings)?;
+    ignored.extend(left);
+    build(&origin, columns, ignored, said, system, settings)
 }
 
 impl Record {
@@ -81,13 +86,9 @@ impl Record {
         }
         let header: Vec<String> = columns.keys().cloned().collect();
         settings.check(&origin, &header, system)?;
-        let known = |column: &String| role(settings.renamed(column), system).is_some();
-        let (columns, others): (BTreeMap<_, _>, BTreeMap<_, _>) =
-            columns.into_iter().partition(|(column, _)| known(column));
-        let ignored = others.into_keys().collect();
-        let mut columns = settings.apply(&origin, columns)?;
+        let (mut columns, ignored, said) = in_the_model(&origin, columns, &BTreeMap::new(), system, settings)?;
         columns.insert("t".to_owned(), times);
-        build(&origin, columns, ignored, system, settings)
+        build(&origin, columns, ignored, said, system, settings)
     }
 }
 
@@ -115,6 +116,7 @@ fn build(
     origin: &Origin<'_>,
     columns: BTreeMap<String, Vec<f64>>,
     ignored: Vec<String>,
+    said: Vec<Warning>,
     system: &System,
     settings: &RecordSettings,
 ) -> Result<Record, DiagnoseError> {
@@ -187,7 +189,7 @@ fn build(
         }
         _ => true,
     });
-    audit.warnings.splice(0..0, repaired);
+    audit.warnings.splice(0..0, said.into_iter().chain(repaired));
     let limits = &settings.limits.consistency;
     audit.warnings.extend(check_rates(origin, &record, system, limits)?);
     audit.warnings.extend(check_angles(&record, system, limits));

@@ -111,13 +111,18 @@ impl Roles {
         }
         if roles.times.is_empty() {
             let message = format!("there is no column `t`; the columns are {found}");
-            return Err(origin.whole(message, "name the column of the time in seconds t: --rename time=t"));
+            let column = ignored.iter().find(|c| c.to_lowercase().contains("time")).or(ignored.first());
+            let column = column.map_or("time", String::as_str);
+            return Err(origin.whole(message, format!("name the column of the time t: --rename \"{column}=t\"")));
         }
         if roles.measured.is_empty() {
             let known = measurable(system).join(", ");
             let message =
                 format!("no measurement: no column has the name of a state or an output; the columns are {found}");
-            return Err(origin.whole(message, format!("name a column after one of {known}: --rename q=x")));
+            let column = ignored.first().map_or("q", String::as_str);
+            let first = measurable(system).into_iter().next().unwrap_or_default();
+            let remedy = format!("name a column after one of {known}: --rename \"{column}={first}\"");
+            return Err(origin.whole(message, remedy));
         }
         roles.rows = (0..roles.times.len()).collect();
         let missing: Vec<String> = roles.missing(system);

@@ -1,7 +1,5 @@
 //! How the columns of a table are meant.
 
-use std::collections::BTreeMap;
-
 use bracketry_sim::Hold;
 use bracketry_system::{FileError, System};
 
@@ -46,24 +44,5 @@ impl RecordSettings {
                 format!("give a name of the model after the equals sign: {}", known(system).join(", ")),
             )),
         }
-    }
-
-    /// Gives columns their names in the model.
-    pub(super) fn apply(
-        &self,
-        origin: &Origin<'_>,
-        columns: BTreeMap<String, Vec<f64>>,
-    ) -> Result<BTreeMap<String, Vec<f64>>, FileError> {
-        let mut out = BTreeMap::new();
-        let mut before = BTreeMap::new();
-        for (name, values) in columns {
-            let to = self.renamed(&name).to_owned();
-            if let Some(other) = before.insert(to.clone(), name.clone()) {
-                let message = format!("`{other}` and `{name}` are both called `{to}`: two columns of one name");
-                return Err(origin.whole(message, format!("give one of them another name: --rename {to}=other")));
-            }
-            out.insert(to, values);
-        }
-        Ok(out)
     }
 }

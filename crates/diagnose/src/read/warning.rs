@@ -151,6 +151,15 @@ pub enum Warning {
         /// How many times as far.
         factor: f64,
     },
+    /// A column is read under another name, or in another unit.
+    ReadAs {
+        /// The column.
+        column: String,
+        /// The name in the model.
+        name: String,
+        /// The units from and to which it is converted.
+        units: Option<(String, String)>,
+    },
     /// An angle turns very far.
     LargeAngle {
         /// The state.
@@ -246,6 +255,10 @@ impl Warning {
             Warning::Scaled { name, rate, factor } => {
                 format!("`{name}` moves {factor:.3} times as far as `{rate}` indicates")
             }
+            Warning::ReadAs { column, name, units: Some((from, to)) } => {
+                format!("`{column}` is read as `{name}`, converted from {from} to {to}")
+            }
+            Warning::ReadAs { column, name, units: None } => format!("`{column}` is read as `{name}`"),
             Warning::LargeAngle { name, largest } => format!("the angle `{name}` reaches {largest:.4} rad"),
         }
     }
@@ -297,6 +310,7 @@ impl Warning {
             Warning::Unrelated { .. } => "check that these columns belong together and to the same axis",
             Warning::Reversed { .. } => "one of them has the wrong sign",
             Warning::Scaled { .. } => "check the units and the calibration of these columns",
+            Warning::ReadAs { .. } => "if this is wrong, rename the column, or correct the unit",
             Warning::LargeAngle { .. } => "multiply it by pi/180 if it is in degrees",
         }
     }

@@ -15,6 +15,7 @@ mod effort;
 mod extend;
 mod fewest_causes;
 mod force_error;
+mod headings;
 mod hidden;
 mod hysteresis;
 mod integrate;

@@ -15,3 +15,4 @@ mod quotients;
 mod ranges;
 mod static_levels;
 mod unit_vectors;
+mod units;
