@@ -12,6 +12,7 @@ use bracketry_sim::Breakdown;
 use bracketry_system::{TimeUnit, counted, readable};
 
 use crate::control_signals::{columns, is_tracking, panels, with_references};
+use crate::curves::drawn_times;
 use crate::simulation::{self, friction_bands, friction_colors};
 
 /// The figures of a closed loop, one to a line.
@@ -287,8 +288,18 @@ pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawi
     let mut chart = friction_colors(TimeSeries::new())
         .title(format!("Closed loop, {}", problem.system.name))
         .time_label(problem.plant.quantities.time_title("time"));
+    // Between the samples, the plant moves on.
+    let motion = &controlled.recording.trajectory;
+    let is_discrete = problem.plant.period.is_some();
+    let (times, rows) = if is_discrete || motion.dim() != states.len() {
+        (run.t.clone(), run.x.clone())
+    } else {
+        let times = drawn_times(motion);
+        let rows = times.iter().map(|&t| motion.sample(t)).collect();
+        (times, rows)
+    };
     for (k, name) in states.iter().enumerate() {
-        let values: Vec<f64> = run.x.iter().map(|x| x[k]).collect();
+        let values: Vec<f64> = rows.iter().map(|x| x[k]).collect();
         let label = if estimated {
             "true state"
         } else if is_tracking(problem, name) {
@@ -296,7 +307,9 @@ pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawi
         } else {
             ""
         };
-        let mut panel = Panel::new(quantities.title(name)).series(Series::new(label, run.t.clone(), values));
+        let mut panel = Panel::new(quantities.title(name));
+        let series = Series::new(label, times.clone(), values);
+        panel = panel.series(if is_discrete { series.step() } else { series });
         if estimated {
             let values: Vec<f64> = run.estimates.iter().map(|x| x[k]).collect();
             panel = panel.series(Series::new("estimate", run.t[..values.len()].to_vec(), values).dash(Dash::Dashed));

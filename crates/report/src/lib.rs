@@ -13,6 +13,7 @@ pub mod analysis;
 pub mod certificates;
 pub mod control;
 mod control_signals;
+mod curves;
 mod diagnosis;
 pub mod experiments;
 pub mod export;

@@ -22,7 +22,9 @@ pub fn figure(system: &System, scenario: &Scenario, run: &ScenarioRun) -> Result
     let titled = |name: &str, others: &str| system.quantities.title(name).replacen(name, &format!("{name}{others}"), 1);
     let panel = |label: String, k: usize, rows: &[Vec<f64>]| {
         let values: Vec<f64> = rows.iter().map(|r| r[k]).collect();
-        Panel::new(label).rounding(ROUNDING).series(Series::new("", run.times.clone(), values))
+        let series = Series::new("", run.times.clone(), values);
+        let series = if system.period.is_some() { series.step() } else { series };
+        Panel::new(label).rounding(ROUNDING).series(series)
     };
     // An output that is a state or an input has its name beside that one's, and no panel of its own.
     let inputs = input_columns(system, scenario);
@@ -42,7 +44,9 @@ pub fn figure(system: &System, scenario: &Scenario, run: &ScenarioRun) -> Result
     }
     for (k, name) in inputs {
         let label = format!("input {}", titled(&name, &alias(system.inputs[k])));
-        chart = chart.panel(panel(label, k, &run.inputs));
+        let (low, high) = system.range_of_input(k).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        let ends = [low, high].into_iter().filter(|end| end.is_finite());
+        chart = chart.panel(ends.fold(panel(label, k, &run.inputs), Panel::bound));
     }
     if outputs.len() <= MAX_OUTPUT_PANELS {
         for (k, name) in outputs {

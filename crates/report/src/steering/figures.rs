@@ -5,6 +5,8 @@ use bracketry_sim::Hold;
 use bracketry_steer::Steering;
 use bracketry_symbolic::{Func, Node};
 
+use crate::curves::drawn_times;
+
 /// Points of a line.
 const POINTS: usize = 400;
 /// Differences below this part of an axis are rounding.
@@ -13,7 +15,7 @@ const ROUNDING: f64 = 1e-9;
 /// States and inputs over time; `None` without a motion.
 pub fn steering_figure(s: &Steering) -> Option<Result<Drawing, PlotError>> {
     let (run, signals) = (s.motion.as_ref()?, s.signals.as_ref()?);
-    let times: Vec<f64> = (0..=POINTS).map(|k| signals.duration() * k as f64 / POINTS as f64).collect();
+    let times = drawn_times(&run.trajectory);
     let rows: Vec<Vec<f64>> = times.iter().map(|&t| run.trajectory.sample(t)).collect();
     let mut chart = TimeSeries::new()
         .title(format!("{}: motion and inputs", s.system.name))
@@ -31,8 +33,9 @@ pub fn steering_figure(s: &Steering) -> Option<Result<Drawing, PlotError>> {
         let values: Vec<f64> = signals.values.iter().map(|u| u[j]).collect();
         let series = Series::new("", signals.times.clone(), values);
         let series = if signals.hold == Hold::Previous { series.step() } else { series };
-        chart = chart
-            .panel(Panel::new(format!("input {}", s.system.quantities.title(&name))).rounding(ROUNDING).series(series));
+        let panel = Panel::new(format!("input {}", s.system.quantities.title(&name))).rounding(ROUNDING).series(series);
+        let (low, high) = s.system.range_of_input(j).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        chart = chart.panel([low, high].into_iter().filter(|end| end.is_finite()).fold(panel, Panel::bound));
     }
     Some(chart.draw())
 }
