@@ -132,7 +132,7 @@ pub enum DiagnoseError {
     #[error(
         "`{record}`: the samples are {step} apart in time, in which even the slowest mode of the model completes {turns:.1} \
          cycles: model and data use different units of time; t is in the unit of time of the model: divide it by 1000 if it counts \
-         thousandths of it, by the rate if it counts samples"
+         milliseconds and the model seconds, by the rate if it counts samples"
     )]
     TimeScale {
         /// The record.

@@ -128,7 +128,7 @@ fn rounding_gets_no_axis_and_a_factor_stands_before_the_unit() {
         let series = Series::new("", [0.0, 1.0], [0.0, 3e-18]);
         TimeSeries::new().panel(panel.series(series)).draw().unwrap()
     };
-    assert_eq!(says(&tiny(Panel::new("y [mm]")), "y [10⁻¹⁸ mm]"), 1);
+    assert_eq!(says(&tiny(Panel::new("y [mm]")), "y [10⁻¹⁸\u{a0}mm]"), 1);
     let flat = tiny(Panel::new("y [mm]").rounding(1e-9));
     assert_eq!([says(&flat, "y [mm]"), says(&flat, "−1.0")], [1, 1]);
 }
