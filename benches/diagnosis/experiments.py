@@ -2,7 +2,7 @@
 """Whether an experiment of `bracketry experiment --tell` tells two causes apart that a slow one confuses.
 
     cargo build --release
-    python3 benches/diagnosis/experiments.py [--draws 5] [--seed 1] [--only PAIR[,PAIR]] [--command FILE] [--keep FOLDER]
+    python3 benches/diagnosis/experiments.py [--draws 5] [--seed 1] [--noise 1] [--only PAIR[,PAIR]] [--command FILE] [--keep FOLDER]
 
 Every draw takes a pair of causes, random parameters, and one of the causes as the truth. The sizes of the two are such that a slow experiment confuses
 them. `experiment` designs the next one within limits. The truth is simulated exactly under its inputs, and noise is added. Then `diagnose` compares both
@@ -11,7 +11,7 @@ models with these data, and the model without either cause. A draw counts as
 - told: the true model is accepted (`nothing_found`), and the other one is not;
 - named: the diagnosis of the model without the cause names the true cause, and the other one is not among `confusable_with`.
 
-The same is done with the slow experiment. Nothing is recorded.
+The same is done with the slow experiment. `--noise 30` multiplies the noise, so that some experiments just resolve the causes. Nothing is recorded.
 """
 
 from __future__ import annotations
@@ -101,8 +101,9 @@ def model(path: pathlib.Path, states: str, values: dict[str, float], known: dict
 
 
 class Draw:
-    def __init__(self, command: pathlib.Path, folder: pathlib.Path, pair: Pair, rng: random.Random) -> None:
+    def __init__(self, command: pathlib.Path, folder: pathlib.Path, pair: Pair, rng: random.Random, factor: float) -> None:
         self.command, self.folder, self.pair = command, folder, pair
+        self.noise = ",".join(f"{k}={factor * v:.6g}" for k, v in NOISE.items())
         common, a, b = pair.parameters(rng)
         self.truth = rng.randrange(2)
         self.seed = rng.randrange(10**6)
@@ -135,16 +136,14 @@ class Draw:
 
     def design(self) -> tuple[pathlib.Path, dict, float]:
         start = time.monotonic()
-        noise = ",".join(f"{k}={v}" for k, v in NOISE.items())
         _, found = self.run("experiment", self.path(0), "--tell", f"{self.path(0)},{self.path(1)}", "--limits", LIMITS, "--duration",
-                            DURATION, "--sample", SAMPLE, "--noise", noise, "--out", self.folder / "design")
+                            DURATION, "--sample", SAMPLE, "--noise", self.noise, "--out", self.folder / "design")
         return self.folder / "design/inputs.csv", found, time.monotonic() - start
 
     def judge(self, inputs: pathlib.Path, name: str) -> tuple[bool, bool, str]:
         """Whether the truth is told, whether it is named, and what the diagnoses say."""
         out = self.folder / name
-        noise = ",".join(f"{k}={v}" for k, v in NOISE.items())
-        self.run("simulate", self.path(self.truth), "--inputs", inputs, "--noise", noise, "--seed", self.seed, "--out", out)
+        self.run("simulate", self.path(self.truth), "--inputs", inputs, "--noise", self.noise, "--seed", self.seed, "--out", out)
         verdicts = [self.run("diagnose", self.path(k), out / "measured.csv")[1]["verdict"] for k in (0, 1)]
         told = verdicts[self.truth] == "nothing_found" and verdicts[1 - self.truth] != "nothing_found"
         _, base = self.run("diagnose", self.folder / "base.toml", out / "measured.csv")
@@ -160,6 +159,7 @@ def main() -> int:
     parser.add_argument("--draws", type=int, default=5)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only")
+    parser.add_argument("--noise", type=float, default=1.0, help="factor of the noise")
     parser.add_argument("--command", type=pathlib.Path, default=ROOT / "target/release/bracketry")
     parser.add_argument("--keep", type=pathlib.Path)
     args = parser.parse_args()
@@ -171,7 +171,7 @@ def main() -> int:
             with tempfile.TemporaryDirectory() as scratch:
                 folder = (args.keep / f"{name}_{k}".replace(" ", "_")) if args.keep else pathlib.Path(scratch)
                 folder.mkdir(parents=True, exist_ok=True)
-                draw = Draw(args.command, folder, PAIRS[name], random.Random(f"{args.seed} {name} {k}"))
+                draw = Draw(args.command, folder, PAIRS[name], random.Random(f"{args.seed} {name} {k}"), args.noise)
                 before = draw.judge(draw.slow(), "slow")
                 inputs, found, seconds = draw.design()
                 after = draw.judge(inputs, "designed")

@@ -58,13 +58,13 @@ impl Composed {
         self.system.pool.sym(symbol)
     }
 
-    /// Adds a model, with sensitivities of its free parameters; the others have the values given, else their own.
+    /// Adds a model, with sensitivities of its free parameters and starts; parameters and starts have the values given, else their own.
     pub(crate) fn add(
         &mut self,
         model: &Smooth,
         tag: &str,
         setup: &Setup,
-        values: &[(&str, f64)],
+        values: &[(&Free, f64)],
         free: &[Free],
         noise: &[f64],
     ) -> Result<Shown, ExperimentError> {
@@ -81,7 +81,10 @@ impl Composed {
         for p in own.parameters.clone() {
             let name = own.pool.name(p.symbol).to_owned();
             let (from, to) = (own.pool.sym(p.symbol), own.pool.var(&format!("{name}{tag}")));
-            let given = values.iter().find(|v| v.0 == name).and_then(|v| Rational::try_from(v.1).ok());
+            let given = values
+                .iter()
+                .find(|v| v.0.state.is_none() && v.0.name == name)
+                .and_then(|v| Rational::try_from(v.1).ok());
             let value = own.pool.rational(given.unwrap_or(p.value));
             map.insert(from, to);
             held.insert(to, value);
@@ -94,7 +97,11 @@ impl Composed {
         let (rows, pairs) = roots.split_at(states.len() + outputs.len());
         let held: FxHashMap<Expr, Expr> = pairs.chunks_exact(2).map(|p| (p[0], p[1])).collect();
         let (dynamics, outputs) = rows.split_at(states.len());
-        for ((name, own), (&rate, &x0)) in states.iter().zip(own.state_names()).zip(dynamics.iter().zip(&model.x0)) {
+        let mut start = model.x0.clone();
+        for (free, value) in values {
+            free.state.into_iter().for_each(|k| start[k] = *value);
+        }
+        for ((name, own), (&rate, &x0)) in states.iter().zip(own.state_names()).zip(dynamics.iter().zip(&start)) {
             if let Some(k) = setup.states.iter().position(|l| l.name == own) {
                 self.limited.push((self.system.states.len(), k));
             }
@@ -126,7 +133,7 @@ impl Composed {
         })
     }
 
-    /// Adds S' = (∂f/∂x) S + ∂f/∂p; returns (∂h/∂x) S + ∂h/∂p.
+    /// Adds S' = (∂f/∂x) S + ∂f/∂p, which starts at 0, or at 1 in the state whose start it belongs to; returns (∂h/∂x) S + ∂h/∂p.
     fn add_sensitivity(
         &mut self,
         p: &Free,
@@ -145,8 +152,8 @@ impl Composed {
         };
         let rates: Vec<Expr> = dynamics.iter().map(|e| rate(*e)).collect();
         let shown = outputs.iter().map(|e| rate(*e)).collect();
-        for (name, rate) in names.iter().zip(rates) {
-            self.add_state(name, rate, 0.0);
+        for (k, (name, rate)) in names.iter().zip(rates).enumerate() {
+            self.add_state(name, rate, if p.state == Some(k) { 1.0 } else { 0.0 });
         }
         shown
     }

@@ -4,7 +4,7 @@ use crate::options::{ExperimentError, Limit};
 use crate::setup::{Setup, start};
 use crate::signals::Signals;
 use bracketry_sim::{Model, SimulationSettings, simulate};
-use bracketry_symbolic::StopFlag;
+use bracketry_symbolic::{Rational, StopFlag};
 use bracketry_system::System;
 
 /// Most steps of a simulation, which then counts as impossible: an experiment that takes more is none for a rig.
@@ -19,10 +19,12 @@ enum Quantity {
     State(usize),
 }
 
-/// A parameter that a refit may change.
+/// A parameter, or the value of a state at the start, that a refit may change.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Free {
     pub(crate) name: String,
+    /// The state of which it is the value at the start; none for a parameter.
+    pub(crate) state: Option<usize>,
     pub(crate) value: f64,
     pub(crate) range: [f64; 2],
     /// The unit of a relative change.
@@ -32,7 +34,6 @@ pub(crate) struct Free {
 /// A model whose motion is simulated exactly, with stick and slip.
 pub(crate) struct Exact<'a> {
     pub(crate) system: &'a System,
-    setup: &'a Setup,
     quantities: Vec<Quantity>,
     settings: SimulationSettings,
     x0: Vec<f64>,
@@ -59,7 +60,6 @@ impl<'a> Exact<'a> {
             SimulationSettings { max_steps: MOST_STEPS, stop: stop.clone(), ..SimulationSettings::default() };
         Self {
             system,
-            setup,
             quantities: setup.columns.iter().filter_map(quantity).collect(),
             settings: settings.with_tolerance(TOLERANCES.0, TOLERANCES.1),
             x0: start(system),
@@ -71,27 +71,53 @@ impl<'a> Exact<'a> {
         let free = self.system.parameters.iter().filter(|p| !p.is_fixed());
         free.map(|p| {
             let value = p.value.to_f64().value();
-            let end =
-                |v: &Option<bracketry_symbolic::Rational>, none: f64| v.as_ref().map_or(none, |v| v.to_f64().value());
+            let end = |v: &Option<Rational>, none: f64| v.as_ref().map_or(none, |v| v.to_f64().value());
             let range = [end(&p.min, f64::NEG_INFINITY), end(&p.max, f64::INFINITY)];
             let width = range[1] - range[0];
             let size = if width.is_finite() { width } else { 1.0 };
             let scale = if value == 0.0 { size } else { value.abs() };
-            Free { name: self.system.symbol_name(p.symbol).to_owned(), value, range, scale }
+            Free { name: self.system.symbol_name(p.symbol).to_owned(), state: None, value, range, scale }
         })
         .filter(|p| !fixed.contains(&p.name))
         .collect()
     }
 
-    /// A run with parameters at other values; none where it stops before its end.
-    pub(crate) fn run(&self, signals: &Signals, values: &[(&str, f64)]) -> Result<Option<Run>, ExperimentError> {
-        let mut inputs = signals.inputs(&self.setup.rest())?;
-        for (name, value) in values {
-            inputs = inputs.live(name, *value);
+    /// The values of the states at the start, which a refit may change by what the states do in these runs.
+    pub(crate) fn starts<'r>(&self, runs: impl Iterator<Item = &'r Run>) -> Vec<Free> {
+        let mut sizes = vec![0.0; self.x0.len()];
+        for run in runs {
+            for ((size, e), x0) in sizes.iter_mut().zip(&run.extremes).zip(&self.x0) {
+                *size = f64::max(*size, (e[0] - x0).abs().max((e[1] - x0).abs()));
+            }
         }
-        let mut model = Model::new(self.system, &inputs)?;
+        let of = |(k, (name, size)): (usize, (String, f64))| {
+            let scale = if size > 0.0 { size } else { 1.0 };
+            let value = self.x0[k];
+            Free { name: format!("{name}(0)"), state: Some(k), value, range: [value - scale, value + scale], scale }
+        };
+        self.system.state_names().into_iter().zip(sizes).enumerate().map(of).collect()
+    }
+
+    /// A run with parameters and starts at other values; none where it stops before its end.
+    pub(crate) fn run(&self, signals: &Signals, values: &[(&Free, f64)]) -> Result<Option<Run>, ExperimentError> {
+        // A delay is read when a model is compiled, so that values stand in the model.
+        let mut moved;
+        let mut system = self.system;
+        let mut start = self.x0.clone();
+        if !values.is_empty() {
+            moved = system.clone();
+            for (free, value) in values {
+                let Ok(exact) = Rational::try_from(*value) else { return Ok(None) };
+                match free.state {
+                    Some(k) => start[k] = *value,
+                    None => _ = moved.set_parameter(&free.name, exact),
+                }
+            }
+            system = &moved;
+        }
+        let mut model = Model::new(system, &signals.inputs()?)?;
         let end = *signals.times.last().unwrap_or(&0.0);
-        let simulation = simulate(model.clone(), 0.0, &self.x0, end, &self.settings)?;
+        let simulation = simulate(model.clone(), 0.0, &start, end, &self.settings)?;
         if !simulation.outcome.is_finished() {
             return Ok(None);
         }

@@ -161,7 +161,9 @@ fn chosen(exact: &Exact<'_>, names: &[String]) -> Result<Vec<Free>, ExperimentEr
         let found = all.iter().find(|p| p.name == *name).cloned();
         found.ok_or_else(|| unknown("--parameters", name, "a parameter of the model that is free", &known))
     };
-    names.iter().map(of).collect()
+    // A name given twice is one parameter.
+    let first = |(k, name): &(usize, &String)| !names[..*k].contains(name);
+    names.iter().enumerate().filter(first).map(|(_, name)| of(name)).collect()
 }
 
 /// The Fisher information of relative changes of parameters.

@@ -42,7 +42,7 @@ pub struct ExperimentOptions {
     pub starts: usize,
     /// Seed of random starts.
     pub seed: u64,
-    /// No optimization is started after this time.
+    /// No optimization is started after six tenths of this time.
     pub time_limit: Option<Duration>,
     /// Once it is raised, the work ends.
     pub stop: StopFlag,

@@ -176,6 +176,9 @@ impl Setup {
                 }
             }
         }
+        if let (true, Some(first)) = (self.is_late, values.first_mut()) {
+            *first = self.rest();
+        }
         let last = if self.is_linear() { self.clamped(now) } else { values.last().cloned().unwrap_or_default() };
         values.push(last);
         let hold = if self.is_linear() { Hold::Linear } else { Hold::Previous };
@@ -189,7 +192,10 @@ impl Setup {
     }
 }
 
+/// Share of the time limit after which no further optimization starts: the rest is for the one that runs, and for exact simulations.
+const SHARE: f64 = 0.6;
+
 /// The time at which no further start is tried.
 pub(crate) fn deadline(options: &ExperimentOptions) -> Option<Instant> {
-    options.time_limit.and_then(|limit| Instant::now().checked_add(limit))
+    options.time_limit.and_then(|limit| Instant::now().checked_add(limit.mul_f64(SHARE)))
 }

@@ -6,10 +6,11 @@ use crate::signals::Signals;
 use bracketry_numerics::least_squares::{Problem, Settings, minimize};
 use nalgebra::{DMatrix, DVector};
 
-/// A refit moves a parameter without limits of its own up to ten times its value, and down to a tenth.
-const FREE_RANGE: [f64; 2] = [-0.9, 9.0];
+/// A refit moves a parameter without limits of its own down to zero and up to a hundred times its value: with a narrower range, plans exploit
+/// its ends.
+const FREE_RANGE: [f64; 2] = [-1.0, 99.0];
 /// The same for a parameter that is zero.
-const FREE_RANGE_OF_ZERO: f64 = 10.0;
+const FREE_RANGE_OF_ZERO: f64 = 100.0;
 /// Relative step of the derivatives by parameters: far above the tolerance of the simulation, far below what a refit moves.
 const STEP: f64 = 1e-4;
 /// Most steps of a refit, and the decrease of the sum of squares at which it ends.
@@ -43,8 +44,8 @@ impl<'a> Fitted<'a> {
     }
 
     fn outputs(&mut self, at: &DVector<f64>) -> Option<DVector<f64>> {
-        let values: Vec<(&str, f64)> =
-            self.free.iter().zip(at.iter()).map(|(p, z)| (p.name.as_str(), p.value + z * p.scale)).collect();
+        let values: Vec<(&Free, f64)> =
+            self.free.iter().zip(at.iter()).map(|(p, z)| (p, p.value + z * p.scale)).collect();
         let run = match self.exact.run(self.signals, &values) {
             Ok(run) => run?,
             Err(e) => {

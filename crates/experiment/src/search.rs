@@ -107,7 +107,7 @@ impl Searcher<'_> {
         build: &mut Build<'_>,
     ) -> Result<Search, ExperimentError> {
         let mut starts: Vec<Pieces> = also.to_vec();
-        starts.extend(simple.iter().map(|c| c.pieces.clone()));
+        starts.extend(simple.iter().map(|c| c.pieces.clone()).filter(|c| !also.contains(c)));
         for start in self.setup.random(self.options.starts, self.options.seed) {
             starts.extend(self.kept(&start)?.map(|c| c.pieces));
         }

@@ -36,6 +36,9 @@ pub(crate) struct Setup {
     pub(crate) sample: f64,
     /// Samples at which the pieces of the inputs start, and the last sample.
     pub(crate) pieces: Vec<usize>,
+    /// Whether an input of a model acts late. The first sample is at rest then, because tables of inputs keep their first value before their
+    /// start.
+    pub(crate) is_late: bool,
 }
 
 impl Setup {
@@ -68,6 +71,7 @@ impl Setup {
             times: (0..=count).map(|k| k as f64 * sample).collect(),
             sample,
             pieces: (0..=number).map(|k| k * count / number).collect(),
+            is_late: models.iter().any(|m| !m.input_delays.is_empty()),
         })
     }
 

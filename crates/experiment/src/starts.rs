@@ -4,11 +4,14 @@ use crate::plan::Pieces;
 use crate::setup::Setup;
 use bracketry_symbolic::SplitMix64;
 
+/// How often square waves bring a mass back: the more often, the stronger they may be within limits of its position.
+const RETURNS: [f64; 2] = [1.0, 4.0];
 /// Share of the duration that the slowest of the random inputs holds a value.
 const LONGEST_HOLD: f64 = 0.3;
 
 impl Setup {
-    /// Simple inputs of the full limits: a step, a step there and back, a square wave of rising frequency. They are the references.
+    /// Simple inputs of the full limits: a step, a step there and back, a square wave of rising frequency, and square waves that bring a mass back
+    /// to where it was. They are the references.
     pub(crate) fn simple(&self) -> Vec<Pieces> {
         let steps = self.pieces.len() - 1;
         let shape = |f: &dyn Fn(f64) -> f64| {
@@ -19,7 +22,9 @@ impl Setup {
             self.chosen(&(0..steps).map(row).collect::<Vec<_>>())
         };
         let chirp = |s: f64| (std::f64::consts::TAU * (s + 4.0 * s * s)).sin().signum();
-        vec![shape(&|_| 1.0), shape(&|s| if s < 0.5 { 1.0 } else { -1.0 }), shape(&chirp)]
+        let back = |count: f64| move |s: f64| (std::f64::consts::TAU * count * s).cos().signum();
+        let [slow, fast] = RETURNS.map(back);
+        vec![shape(&|_| 1.0), shape(&|s| if s < 0.5 { 1.0 } else { -1.0 }), shape(&chirp), shape(&slow), shape(&fast)]
     }
 
     /// Random inputs: every one holds random values for random times, which differ by orders of magnitude from input to input.

@@ -26,9 +26,9 @@ const SETTLED: f64 = 0.02;
 /// Standard deviations beyond which no other round follows: no noise confuses the explanations.
 const ENOUGH: f64 = 100.0;
 /// Factors of each parameter from which the refits of the best inputs start too, so that no other valley is overlooked.
-const FAR: [f64; 2] = [0.3, 3.0];
-/// Most parameters of which a plan has the sensitivities: their number enters as the square.
-const MOST_SENSITIVITIES: usize = 5;
+const FAR: [f64; 3] = [0.05, 0.3, 5.0];
+/// Most parameters and starts of which a plan has the sensitivities: their number enters as the square.
+const MOST_SENSITIVITIES: usize = 6;
 
 /// The difference that a refit of one explanation to the exact output of the other leaves.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,7 +43,7 @@ pub struct Separation {
     pub chi_square: f64,
     /// Its square root: the distance in standard deviations.
     pub deviations: f64,
-    /// Values after the refit of the parameters that it may change.
+    /// Values after the refit of the parameters that it may change, then those of the states at the start, such as `x(0)`.
     pub parameters: Vec<(String, f64)>,
 }
 
@@ -156,16 +156,21 @@ pub fn tell(
 ) -> Result<Discrimination, ExperimentError> {
     let models = explanations.map(|e| e.1);
     let setup = Setup::new(&models, options)?;
-    let sides = explanations.map(|(name, system)| {
+    let mut sides = explanations.map(|(name, system)| {
         let exact = Exact::new(system, &setup, &options.stop);
         let free = exact.free(&options.fixed);
         Side { exact, free, name }
     });
     known(&options.fixed, &models)?;
-    let mut from: RefitStarts = [0, 1].map(|k| vec![sides[k].free.iter().map(|p| p.value).collect()]);
-    let exacts = [&sides[0].exact, &sides[1].exact];
+    let exacts = models.map(|m| Exact::new(m, &setup, &options.stop));
+    let exacts = [&exacts[0], &exacts[1]];
     let searcher = Searcher { setup: &setup, exacts: &exacts, options, deadline: deadline(options) };
     let simple = searcher.simple()?;
+    // No log starts exactly where a model says.
+    for (k, side) in sides.iter_mut().enumerate() {
+        side.free.extend(exacts[k].starts(simple.iter().map(|c| &c.runs[k])));
+    }
+    let mut from: RefitStarts = [0, 1].map(|k| vec![sides[k].free.iter().map(|p| p.value).collect()]);
     let runs: Vec<Run> = simple.iter().flat_map(|c| c.runs.clone()).collect();
     let noise = noise(&setup, options, &runs)?;
     let stds: Vec<f64> = noise.iter().map(|n| n.std).collect();
@@ -202,8 +207,7 @@ pub fn tell(
         }
     }
     let weak = best.weaker();
-    let refit: Vec<(&str, f64)> =
-        sides[weak].free.iter().zip(&best.refits[weak].values).map(|(p, v)| (p.name.as_str(), *v)).collect();
+    let refit: Vec<(&Free, f64)> = sides[weak].free.iter().zip(best.refits[weak].values.iter().copied()).collect();
     let refitted = sides[weak].exact.run(&best.candidate.signals, &refit)?.map(|r| r.outputs).unwrap_or_default();
     let separations = [0, 1].map(|k| separation(&sides[1 - k], &sides[k], &best, k, &stds));
     let [first, second] = &best.candidate.runs[..] else { return Err(stopped()) };
@@ -246,7 +250,7 @@ fn plan(
 ) -> Result<Plan, ExperimentError> {
     let mut composed = Composed::new(setup);
     let is = composed.add(truth, "@1", setup, &[], &[], stds)?;
-    let values: Vec<(&str, f64)> = refitted.iter().map(|p| (p.name.as_str(), p.value)).collect();
+    let values: Vec<(&Free, f64)> = refitted.iter().map(|p| (p, p.value)).collect();
     let sensitive = &refitted[..refitted.len().min(MOST_SENSITIVITIES)];
     let seems = composed.add(other, "@2", setup, &values, sensitive, stds)?;
     let mut lists = seems.sensitivities;

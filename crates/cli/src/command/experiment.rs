@@ -103,7 +103,8 @@ pub(crate) fn run(args: &ExperimentArgs, output: &CommonArgs) -> anyhow::Result<
         limits: limits.iter().map(|b| Limit::new(&b.name, b.low, b.high)).collect(),
         measured: args.measure.clone(),
         noise: args.noise.clone(),
-        fixed: args.fix.clone(),
+        // A value that is an explanation is what is to be told, not to be fitted.
+        fixed: args.fix.iter().cloned().chain(args.tell.iter().filter_map(|t| value_of(t))).collect(),
         starts: args.starts,
         seed: args.seed,
         time_limit: Some(args.time_limit.get()),
@@ -180,6 +181,11 @@ fn report(found: Found, output: &CommonArgs) -> anyhow::Result<Outcome> {
 /// Whether an explanation is a file, not a value of a parameter.
 fn is_file(text: &str) -> bool {
     !text.contains('=') || Path::new(text).is_file()
+}
+
+/// The parameter of which an explanation is a value.
+fn value_of(text: &str) -> Option<String> {
+    text.split_once('=').filter(|_| !is_file(text)).map(|(name, _)| name.trim().to_owned())
 }
 
 /// The two explanations with their names.

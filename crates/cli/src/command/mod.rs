@@ -156,7 +156,7 @@ enum Command {
             "0  the explanations are told apart, or all parameters are identified, on exact simulations\n\
              1  they are not; the report says what would help\n2  bad input"),
         UNITS,
-    ]), mut_arg("limit", |a| a.help("After this many seconds, no further optimization is started")))]
+    ]), mut_arg("limit", |a| a.help("End after about this many seconds; after six tenths of them, no further optimization is started")))]
     Experiment(Box<experiment::ExperimentArgs>),
     /// Run an experiment on the vibrating plate with a chosen model, and optionally compare it with a log
     #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[

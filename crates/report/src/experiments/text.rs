@@ -34,9 +34,9 @@ fn design(out: &mut String, d: &Design) {
 }
 
 /// What is assumed beside the noise, and how it was found.
-fn assumptions(out: &mut String, d: &Design, models: &str, fixed: &[String]) {
+fn assumptions(out: &mut String, d: &Design, models: &str, start: &str, fixed: &[String]) {
     let known = if fixed.is_empty() { String::new() } else { format!("; known parameters: {}", fixed.join(", ")) };
-    let _ = writeln!(out, "assumed: white noise, the start as in the model{known}");
+    let _ = writeln!(out, "assumed: white noise{start}{known}");
     let _ = writeln!(
         out,
         "computed by exact simulation of {models}, which keeps all limits; starts of the optimization: {}",
@@ -83,7 +83,7 @@ pub fn discrimination_text(d: &Discrimination) -> String {
              parameters that are known (--fix)"
         );
     }
-    assumptions(&mut out, &d.design, "both explanations", &d.fixed);
+    assumptions(&mut out, &d.design, "both explanations", "", &d.fixed);
     out
 }
 
@@ -131,6 +131,6 @@ pub fn identification_text(d: &Identification) -> String {
              column; `bracketry analyze` says which parameters the outputs determine at all"
         );
     }
-    assumptions(&mut out, &d.design, "the model", &d.fixed);
+    assumptions(&mut out, &d.design, "the model", ", the start as in the model", &d.fixed);
     out
 }
