@@ -128,7 +128,7 @@ impl Reader<'_> {
             None => 2,
         };
         let doc = Columns::document(&self.folder.join(file), "name a CSV file: a table with a column t")?;
-        let Columns { columns, header, lines } = Columns::parse(&doc, |_| Entries::Finite)?;
+        let Columns { columns, header, lines, .. } = Columns::parse(&doc, |_| Entries::Finite)?;
         let Some(times) = columns.get("t") else {
             return Err(doc.missing("there is no column `t`", "add a column t with the time").into());
         };

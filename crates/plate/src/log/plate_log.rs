@@ -71,7 +71,7 @@ impl PlateLog {
     /// # Errors
     /// As [`PlateLog::read`].
     pub fn from_table(doc: &Document) -> Result<Self, FileError> {
-        let Columns { mut columns, lines, header } = Columns::parse(doc, |_| Entries::Finite)?;
+        let Columns { mut columns, lines, header, .. } = Columns::parse(doc, |_| Entries::Finite)?;
         let known = columns.keys().cloned().collect::<Vec<_>>().join(", ");
         let missing: Vec<&str> = OBJECT.into_iter().filter(|name| !columns.contains_key(*name)).collect();
         let mut take = |name: &str| columns.remove(name);

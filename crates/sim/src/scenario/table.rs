@@ -37,7 +37,7 @@ impl Scenario {
 
 /// The inputs of a table.
 pub(super) fn input_table(doc: &Document, system: &System, hold: Hold) -> Result<InputTable, FileError> {
-    let Columns { columns, lines, header } = Columns::parse(doc, |_| Entries::Finite)?;
+    let Columns { columns, lines, header, .. } = Columns::parse(doc, |_| Entries::Finite)?;
     let Some(times) = columns.get("t") else {
         let message = format!("there is no column `t`; the columns are {}", header.join(", "));
         return Err(doc.missing(message, "add a column t with the time, or rename the time column to t"));

@@ -56,7 +56,7 @@ fn times_are_multiples_of_the_period() {
     let system = model(LOGISTIC);
     for (text, key) in [("duration = 1.05", "duration"), ("duration = 1\nsample = 0.15", "sample")] {
         let error = Scenario::parse("s.toml", text, &system).unwrap_err().to_string();
-        assert!(error.contains(&format!("`{key}` is not a multiple of the model's period 0.1 s")), "{error}");
+        assert!(error.contains(&format!("`{key}` is not a multiple of the model's period 0.1")), "{error}");
         assert!(error.contains("s.toml:"), "{error}");
     }
 }
