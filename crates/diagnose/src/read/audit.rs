@@ -229,7 +229,9 @@ impl fmt::Display for Audit {
             writeln!(f)?;
         }
         if !self.ignored.is_empty() {
-            writeln!(f, "  ignored: {}", self.ignored.join(", "))?;
+            let shown =
+                |name: &String| if name.is_empty() { "a column without a name".to_owned() } else { name.clone() };
+            writeln!(f, "  ignored: {}", self.ignored.iter().map(shown).collect::<Vec<_>>().join(", "))?;
         }
         for w in &self.warnings {
             writeln!(f, "  warning: {}\n    {}", w.message(), w.remedy())?;

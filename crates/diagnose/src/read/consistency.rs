@@ -9,14 +9,24 @@ use crate::settings::ConsistencySettings;
 use crate::{Quantity, Record};
 
 /// Slopes of other units, and what they mean.
-const UNITS: [(f64, &str); 6] = [
+const UNITS: [(f64, &str); 10] = [
     (1e3, "one of them is in thousandths: millimeters, or t in kiloseconds"),
     (1e-3, "one of them is in thousandths: millimeters per second, or t in milliseconds"),
     (57.295_779_513, "it is in degrees"),
     (0.017_453_292_5, "its rate is in degrees per second"),
     (0.104_719_755, "its rate is in turns per minute"),
     (0.159_154_943, "it is in turns"),
+    (60.0, "t is in seconds and the rate per minute, or t in minutes and the model in hours"),
+    (1.0 / 60.0, "t is in minutes and the rate per second, or t in hours and the model in minutes"),
+    (3600.0, "t is in seconds and the rate per hour"),
+    (1.0 / 3600.0, "t is in hours and the rate per second"),
 ];
+
+/// The other unit whose slope is nearest.
+fn nearest(slope: f64) -> Option<&'static (f64, &'static str)> {
+    let distance = |factor: f64| (slope / factor).ln().abs();
+    UNITS.iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)))
+}
 
 /// Compares every measured state whose time derivative is another measured state with the integral of that one.
 ///
@@ -57,10 +67,10 @@ pub(super) fn check_rates(
             warnings.push(Warning::Unrelated { name: name.to_owned(), rate: says.to_owned(), correlation });
         } else if slope < 0.0 {
             warnings.push(Warning::Reversed { name: name.to_owned(), rate: says.to_owned() });
-        } else if let Some((_, meaning)) = UNITS.iter().find(|(factor, _)| near(*factor)) {
+        } else if let Some((_, meaning)) = nearest(slope).filter(|(factor, _)| near(*factor)) {
             return Err(origin.whole(
                 format!("`{name}` moves {slope:.4} times as far as `{says}` indicates"),
-                format!("{meaning}: convert to SI units (m, rad, s)"),
+                format!("{meaning}: convert to the units of the model"),
             ));
         } else if !near(1.0) {
             warnings.push(Warning::Scaled { name: name.to_owned(), rate: says.to_owned(), factor: slope });

@@ -30,14 +30,14 @@ fn with_unit(column: &str) -> Option<(&str, &str)> {
     Unit::parse(unit).map(|_| (name.trim(), unit.trim()))
 }
 
-/// A name of the time, with the unit behind an underscore.
-fn time(column: &str) -> Option<Option<&str>> {
-    let is_time = |name: &str| name == "t" || name.eq_ignore_ascii_case("time");
-    if is_time(column) {
-        return Some(None);
-    }
-    let (name, unit) = column.rsplit_once('_')?;
-    (is_time(name) && TIMES.contains(&unit)).then_some(Some(unit))
+/// Whether a column is called as the time is.
+fn is_time(name: &str) -> bool {
+    name == "t" || name.eq_ignore_ascii_case("time")
+}
+
+/// A name of the time and the unit behind an underscore.
+fn time_with_unit(column: &str) -> Option<(&str, &str)> {
+    column.rsplit_once('_').filter(|(name, unit)| is_time(name) && TIMES.contains(unit))
 }
 
 /// What a column means to a model, by the user's word, by its name, or by its name without the unit; none where it means nothing.
@@ -55,12 +55,32 @@ pub(super) fn heading(column: &str, system: &System, settings: &RecordSettings) 
     if unit.is_some() && role(base, system).is_some() {
         return Some(Heading { name: base.to_owned(), unit: stated, exact: false });
     }
-    let unit = time(base)?.or(unit).map(str::to_owned);
+    let unit = match time_with_unit(base) {
+        Some((_, unit)) => Some(unit.to_owned()),
+        None if is_time(base) => stated,
+        None => return None,
+    };
     Some(Heading { name: "t".to_owned(), unit, exact: false })
 }
 
-/// The columns by their names in the model and in its units, names of columns that are left out because another one has their name, and
-/// what was assumed. `row` has the units of a line below the header.
+/// Columns as the model has them.
+pub(super) struct Understood {
+    /// By their names in the model, in its units.
+    pub(super) columns: BTreeMap<String, Vec<f64>>,
+    /// Names of columns that mean nothing, or that another one with exactly this name replaces.
+    pub(super) ignored: Vec<String>,
+    /// What was assumed.
+    pub(super) said: Vec<Warning>,
+}
+
+/// A change of units: the new one, factor, and offset.
+struct Conversion {
+    to: String,
+    factor: f64,
+    offset: f64,
+}
+
+/// The columns by their names in the model and in its units. `row` has the units of a line below the header.
 ///
 /// # Errors
 /// [`FileError`] for two columns of one name, and for units that are not those of the model and cannot be converted.
@@ -70,7 +90,7 @@ pub(super) fn in_the_model(
     row: &BTreeMap<String, String>,
     system: &System,
     settings: &RecordSettings,
-) -> Result<(BTreeMap<String, Vec<f64>>, Vec<String>, Vec<Warning>), FileError> {
+) -> Result<Understood, FileError> {
     let mut chosen: BTreeMap<String, (String, Heading, Vec<f64>)> = BTreeMap::new();
     let mut left = Vec::new();
     for (column, values) in columns {
@@ -99,25 +119,27 @@ pub(super) fn in_the_model(
     let mut said = Vec::new();
     for (name, (column, heading, mut values)) in chosen {
         let conversion = conversion(origin, &column, &heading, system)?;
-        if let Some((_, (factor, offset))) = &conversion {
-            values.iter_mut().for_each(|v| *v = *v * factor + offset);
+        if let Some(Conversion { factor, offset, .. }) = &conversion {
+            for v in &mut values {
+                *v = *v * factor + offset;
+            }
         }
-        let units = conversion.map(|(to, _)| (heading.unit.clone().unwrap_or_default(), to));
+        let units = conversion.map(|c| (heading.unit.clone().unwrap_or_default(), c.to));
         if units.is_some() || (!heading.exact && with_unit(&column).is_none_or(|(base, _)| base != name)) {
             said.push(Warning::ReadAs { column, name: name.clone(), units });
         }
         out.insert(name, values);
     }
-    Ok((out, left, said))
+    Ok(Understood { columns: out, ignored: left, said })
 }
 
-/// Factor and offset from the unit of a column to that of the model, with the name of that one; none where they are the same.
+/// From the unit of a column to that of the model; none where they are the same.
 fn conversion(
     origin: &Origin<'_>,
     column: &str,
     heading: &Heading,
     system: &System,
-) -> Result<Option<(String, (f64, f64))>, FileError> {
+) -> Result<Option<Conversion>, FileError> {
     let Some(from) = &heading.unit else { return Ok(None) };
     let quantities = &system.quantities;
     let to = match role(&heading.name, system) {
@@ -144,7 +166,7 @@ fn conversion(
     }
     match Unit::parse(from).zip(Unit::parse(&to)).and_then(|(from, to)| from.to(&to)) {
         Some((1.0, 0.0)) => Ok(None),
-        Some(conversion) => Ok(Some((to, conversion))),
+        Some((factor, offset)) => Ok(Some(Conversion { to, factor, offset })),
         None => {
             let message = format!("the column `{column}` is in {from}, and `{name}` of the model in {to}");
             Err(origin.whole(

@@ -10,7 +10,7 @@ use super::clock::Clock;
 use super::consistency::{check_angles, check_rates};
 use super::decimate::decimate;
 use super::driving::Driving;
-use super::heading::{heading, in_the_model};
+use super::heading::{Understood, heading, in_the_model};
 use super::noise::estimate_noise;
 use super::npz;
 use super::origin::Origin;
@@ -40,14 +40,14 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
             .into());
     }
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) {
-        let (columns, mut ignored) = npz::read(path, |name| heading(name, system, settings).is_some())?;
+        let (columns, ignored) = npz::read(path, |name| heading(name, system, settings).is_some())?;
         let name = path.display().to_string();
         let origin = Origin { name: &name, table: None };
         let header: Vec<String> = columns.keys().cloned().chain(ignored.iter().cloned()).collect();
         settings.check(&origin, &header, system)?;
-        let (columns, left, said) = in_the_model(&origin, columns, &BTreeMap::new(), system, settings)?;
-        ignored.extend(left);
-        return build(&origin, columns, ignored, said, system, settings);
+        let mut understood = in_the_model(&origin, columns, &BTreeMap::new(), system, settings)?;
+        understood.ignored.extend(ignored);
+        return build(&origin, understood, system, settings);
     }
     let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs, and what was measured")?;
     let entries = |name: &str| match heading(name, system, settings).and_then(|h| role(&h.name, system)) {
@@ -58,10 +58,10 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
     let Columns { columns, header, lines, units } = Columns::parse_with_units(&doc, entries)?;
     let origin = Origin { name: doc.file(), table: Some((&doc, &header, &lines)) };
     settings.check(&origin, &header, system)?;
-    let mut ignored: Vec<String> = header.iter().filter(|name| !columns.contains_key(*name)).cloned().collect();
-    let (columns, left, said) = in_the_model(&origin, columns, &units, system, settings)?;
-    ignored.extend(left);
-    build(&origin, columns, ignored, said, system, settings)
+    let unread: Vec<String> = header.iter().filter(|name| !columns.contains_key(*name)).cloned().collect();
+    let mut understood = in_the_model(&origin, columns, &units, system, settings)?;
+    understood.ignored.splice(0..0, unread);
+    build(&origin, understood, system, settings)
 }
 
 impl Record {
@@ -86,9 +86,9 @@ impl Record {
         }
         let header: Vec<String> = columns.keys().cloned().collect();
         settings.check(&origin, &header, system)?;
-        let (mut columns, ignored, said) = in_the_model(&origin, columns, &BTreeMap::new(), system, settings)?;
-        columns.insert("t".to_owned(), times);
-        build(&origin, columns, ignored, said, system, settings)
+        let mut understood = in_the_model(&origin, columns, &BTreeMap::new(), system, settings)?;
+        understood.columns.insert("t".to_owned(), times);
+        build(&origin, understood, system, settings)
     }
 }
 
@@ -114,9 +114,7 @@ fn check_size(origin: &Origin<'_>, column: &str, values: &[f64], rows: &[usize])
 /// The record of columns that all mean something, `t` among them.
 fn build(
     origin: &Origin<'_>,
-    columns: BTreeMap<String, Vec<f64>>,
-    ignored: Vec<String>,
-    said: Vec<Warning>,
+    Understood { columns, ignored, said }: Understood,
     system: &System,
     settings: &RecordSettings,
 ) -> Result<Record, DiagnoseError> {

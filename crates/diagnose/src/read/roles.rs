@@ -119,9 +119,13 @@ impl Roles {
             let known = measurable(system).join(", ");
             let message =
                 format!("no measurement: no column has the name of a state or an output; the columns are {found}");
-            let column = ignored.first().map_or("q", String::as_str);
-            let first = measurable(system).into_iter().next().unwrap_or_default();
-            let remedy = format!("name a column after one of {known}: --rename \"{column}={first}\"");
+            let called = |column: &&String| {
+                let starts = |name: &String| column.to_lowercase().starts_with(&name.to_lowercase());
+                measurable(system).into_iter().find(starts).map(|name| ((*column).clone(), name))
+            };
+            let (column, name) =
+                ignored.iter().find_map(|c| called(&c)).unwrap_or_else(|| ("q".to_owned(), "x".to_owned()));
+            let remedy = format!("name a column after one of {known}: --rename \"{column}={name}\"");
             return Err(origin.whole(message, remedy));
         }
         roles.rows = (0..roles.times.len()).collect();

@@ -99,6 +99,6 @@ fn units_that_cannot_be_converted_are_refused_with_the_remedy() {
     assert!(read("coherent", "t,F,th [rad]", &ROWS).is_ok());
     let error = read("no_time", "clock,F,x", &ROWS).unwrap_err();
     assert!(error.contains("--rename \"clock=t\""), "{error}");
-    let error = read("no_measurement", "t,F,position", &ROWS).unwrap_err();
-    assert!(error.contains("--rename \"position=x\""), "{error}");
+    let error = read("no_measurement", "t,F,X_encoder", &ROWS).unwrap_err();
+    assert!(error.contains("--rename \"X_encoder=x\""), "{error}");
 }
