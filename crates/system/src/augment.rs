@@ -54,6 +54,10 @@ pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], 
                 let (a, b) = (system.pool.sym(old), system.pool.sym(s));
                 replace.insert(a, b);
             }
+            if let Some(unit) = original.quantities.unit_of_derivative(&base, k) {
+                let name = system.pool.name(s).to_owned();
+                system.quantities.set_unit(&name, unit);
+            }
             chain.push(s);
         }
         let value = system.point.as_ref().map_or(zero, |p| p.inputs[i]);

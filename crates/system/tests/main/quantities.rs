@@ -60,6 +60,16 @@ fn derivatives_have_the_unit_over_a_power_of_the_time() {
 }
 
 #[test]
+fn integrators_in_front_of_inputs_have_the_units_of_the_derivatives() {
+    let text = "states = ['v']\ninputs = ['X']\n[dynamics]\nv = '-der(X, 2)'\n[units]\nv = 'm/s'\nX = 'm'\n";
+    let system = System::parse("table.toml", text).unwrap();
+    let affine = system.affinize().unwrap().system;
+    let titles =
+        affine.state_names().into_iter().chain(affine.input_names()).map(|name| affine.quantities.title(&name));
+    assert_eq!(titles.collect::<Vec<_>>(), ["v [m/s]", "X [m]", "Xd [m/s]", "Xdd [m/s²]"]);
+}
+
+#[test]
 fn units_of_time_have_symbols_and_seconds() {
     for symbol in ["ns", "us", "ms", "s", "min", "h", "d", "a", "1"] {
         assert_eq!(TimeUnit::parse(symbol).unwrap().symbol(), symbol);
