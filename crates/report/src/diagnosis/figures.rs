@@ -109,7 +109,10 @@ impl Diagnosis {
         for c in causes.iter().filter(|_| several) {
             if let Some(share) = c.share {
                 let alike = causes.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
-                chart = chart.row(row_name(c.name, &c.equation, c.term.text(), alike), 100.0 * share, None, BESIDE);
+                // A cause whose name is withheld is called here as it is among the candidates.
+                let candidate = candidates.iter().find(|o| o.chosen && o.equation == c.equation && o.term == c.term);
+                let name = candidate.map_or(c.name, |o| o.name);
+                chart = chart.row(row_name(name, &c.equation, c.term.text(), alike), 100.0 * share, None, BESIDE);
             }
         }
         for c in candidates.iter().take(MOST_CANDIDATES) {
@@ -208,8 +211,9 @@ fn row_name(cause: Cause, equation: &str, term: &str, alike: bool) -> String {
 
 /// A term as short as a row of a chart has room for.
 fn shortened(term: &str) -> String {
+    let term = term.replace('-', "−");
     if term.chars().count() <= LONGEST_TERM {
-        return term.to_owned();
+        return term;
     }
     let head: String = term.chars().take(LONGEST_TERM - 1).collect();
     format!("{head}…")

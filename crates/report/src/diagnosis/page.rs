@@ -157,7 +157,7 @@ fn tables(report: &Report, level: usize) -> String {
     }
     if !report.candidates.is_empty() {
         let rows = report.candidates.iter().map(|c| {
-            let mark = if c.chosen { "named" } else { "" };
+            let mark = if c.chosen { "selected" } else { "" };
             vec![
                 mark.to_owned(),
                 escaped(&c.name.words()),
