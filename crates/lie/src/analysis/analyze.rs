@@ -113,7 +113,7 @@ pub fn analyze(system: &System, options: &AnalysisOptions) -> Result<Analysis, A
 }
 
 /// The inputs that act later than they are commanded, with their delays in seconds.
-fn delays(system: &System) -> BTreeMap<String, f64> {
+pub(crate) fn delays(system: &System) -> BTreeMap<String, f64> {
     let values = system.delay_values();
     let named = system.input_names().into_iter().zip(values);
     named.filter_map(|(name, delay)| Some((name, delay.filter(|d| *d > 0.0)?))).collect()

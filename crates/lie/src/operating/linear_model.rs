@@ -1,11 +1,14 @@
 //! The linear system around a point, as formulas and as numbers.
 
+use std::collections::BTreeMap;
+
 use bracketry_symbolic::{Bindings, Evaluation, Expr, Function, Node, Pool, Symbol, Tape};
 use bracketry_system::{Point, System};
 use nalgebra::DMatrix;
 use rustc_hash::FxHashMap;
 use serde::{Serialize, Serializer};
 
+use crate::analysis::analyze::delays;
 use crate::error::Error;
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::zeros::Quadruple;
@@ -53,6 +56,9 @@ pub struct LinearModel {
     pub states: Vec<String>,
     /// Names of the inputs.
     pub inputs: Vec<String>,
+    /// Inputs that act later than they are commanded, with their delays: u stands for the inputs as they arrive.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub input_delays: BTreeMap<String, f64>,
     /// Names of the outputs; the states where the model has no outputs.
     pub outputs: Vec<String>,
     /// Whether the outputs are the states because the model has none.
@@ -181,6 +187,7 @@ impl LinearModel {
             model: original.name.clone(),
             states: original.state_names(),
             inputs: original.input_names(),
+            input_delays: delays(original),
             outputs,
             states_are_outputs,
             point: frame.point,

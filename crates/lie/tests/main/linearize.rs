@@ -173,3 +173,12 @@ fn points_without_values_are_refused() {
         assert!(why.reason().unwrap().to_string().contains(what), "{equation}: {:?}", why.reason());
     }
 }
+
+#[test]
+fn delays_of_inputs_are_told() {
+    let text = "states = ['x']\ninputs = ['u', 'w']\ndynamics = { x = 'u + w - x' }\ndelays = { u = 0.2 }\n";
+    let system = System::parse("lag.toml", text).unwrap();
+    let found = linearize(&system, &LinearizeOptions::default()).unwrap();
+    let delays: Vec<(&str, f64)> = found.system.input_delays.iter().map(|(name, d)| (name.as_str(), *d)).collect();
+    assert_eq!(delays, [("u", 0.2)]);
+}

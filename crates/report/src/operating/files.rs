@@ -4,6 +4,8 @@ use bracketry_lie::operating::LinearModel;
 use nalgebra::DMatrix;
 use std::fmt::Write as _;
 
+use super::text::delayed;
+
 /// A file with its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinearFile {
@@ -27,6 +29,11 @@ pub fn linear_files(model: &LinearModel) -> Vec<LinearFile> {
     let mut python = format!("# {}: x' = A x + B u, y = C x + D u\nimport numpy as np\n", model.model);
     let mut matlab = format!("% {}: x' = A x + B u, y = C x + D u\n", model.model);
     let mut julia = format!("# {}: x' = A x + B u, y = C x + D u\n", model.model);
+    if let Some(delays) = delayed(model) {
+        let _ = writeln!(python, "# {delays}");
+        let _ = writeln!(matlab, "% {delays}");
+        let _ = writeln!(julia, "# {delays}");
+    }
     for (name, m) in all {
         let (n, p) = m.shape();
         let list = rows(m, ", ", |r| format!("[{r}]")).join(",\n     ");

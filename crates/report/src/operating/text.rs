@@ -2,7 +2,8 @@
 
 use bracketry_lie::linear::Distance;
 use bracketry_lie::operating::{
-    Gain, LinearAnalysis, LinearMatrix, NoGain, Pole, Rank, Rest, Trim, TrimNote, TrimRole, TrimStatus, TrimValue,
+    Gain, LinearAnalysis, LinearMatrix, LinearModel, NoGain, Pole, Rank, Rest, Trim, TrimNote, TrimRole, TrimStatus,
+    TrimValue,
 };
 use bracketry_system::readable;
 use nalgebra::DMatrix;
@@ -177,6 +178,18 @@ fn gain(name: &str, matrix_name: &str, closed: &str, gain: &Result<Gain, NoGain>
     }
 }
 
+/// That inputs act later than they are commanded; none where they do not.
+pub(super) fn delayed(model: &LinearModel) -> Option<String> {
+    let list: Vec<String> =
+        model.input_delays.iter().map(|(name, delay)| format!("{name} by {}", readable(*delay))).collect();
+    (!list.is_empty()).then(|| {
+        format!(
+            "inputs act later than they are commanded ({}): the matrices are those of the inputs as they arrive, without the delay",
+            list.join(", ")
+        )
+    })
+}
+
 /// A linear system in text.
 pub fn linear_text(r: &LinearAnalysis) -> String {
     let s = &r.system;
@@ -187,6 +200,9 @@ pub fn linear_text(r: &LinearAnalysis) -> String {
     ];
     if s.states_are_outputs {
         lines.push("  note: the model has no outputs: all states are treated as measured".to_owned());
+    }
+    if let Some(delays) = delayed(s) {
+        lines.push(format!("  note: {delays}"));
     }
     let at = s.states.iter().chain(&s.inputs).zip(&s.point).map(|(n, v)| format!("{n} = {}", readable(*v)));
     lines.push(format!("  at {}", at.collect::<Vec<_>>().join(", ")));
