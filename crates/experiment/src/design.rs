@@ -21,14 +21,16 @@ pub struct Design {
     pub sample: f64,
     /// Starts of the optimization, over all rounds.
     pub starts: usize,
+    /// Whether the time limit ended the search: other starts and other refits might have changed the result.
+    pub is_cut: bool,
 }
 
 impl Design {
-    pub(crate) fn new(setup: &Setup, signals: Signals, noise: Vec<ColumnNoise>, starts: usize) -> Self {
+    pub(crate) fn new(setup: &Setup, signals: Signals, noise: Vec<ColumnNoise>, starts: usize, is_cut: bool) -> Self {
         let inputs = setup.inputs.iter().map(|u| Limit::new(&u.name, u.range[0], u.range[1]));
         let rate = |u: &InputLimits| u.rate.map(|r| Limit::new(&format!("der({})", u.name), r[0], r[1]));
         let limits = inputs.chain(setup.inputs.iter().filter_map(rate)).chain(setup.states.iter().cloned()).collect();
-        Self { quantities: setup.quantities.clone(), signals, limits, noise, sample: setup.sample, starts }
+        Self { quantities: setup.quantities.clone(), signals, limits, noise, sample: setup.sample, starts, is_cut }
     }
 
     /// Length of the experiment, in the unit of time of the model.

@@ -115,7 +115,12 @@ impl<'a> Exact<'a> {
             }
             system = &moved;
         }
-        let mut model = Model::new(system, &signals.inputs()?)?;
+        let mut model = match Model::new(system, &signals.inputs()?) {
+            Ok(model) => model,
+            // Values that the equations exclude, such as a static level below the sliding one.
+            Err(_) if !values.is_empty() => return Ok(None),
+            Err(error) => return Err(error.into()),
+        };
         let end = *signals.times.last().unwrap_or(&0.0);
         let simulation = simulate(model.clone(), 0.0, &start, end, &self.settings)?;
         if !simulation.outcome.is_finished() {

@@ -144,7 +144,7 @@ pub fn identify(
     Ok(Identification {
         model: model.clone(),
         outputs: found.runs[0].outputs.clone(),
-        design: Design::new(&setup, found.signals, noise, search.starts),
+        design: Design::new(&setup, found.signals, noise, search.starts, searcher.is_late()),
         reference: reference.signals,
         parameters: expected.collect(),
         correlation: after.correlation(),

@@ -27,8 +27,8 @@ const SETTLED: f64 = 0.02;
 const ENOUGH: f64 = 100.0;
 /// Factors of each parameter from which the refits of the best inputs start too, so that no other valley is overlooked.
 const FAR: [f64; 3] = [0.05, 0.3, 5.0];
-/// Most parameters and starts of which a plan has the sensitivities: their number enters as the square.
-const MOST_SENSITIVITIES: usize = 6;
+/// Most states of a plan, which has the sensitivities of as many parameters and starts as fit in.
+const MOST_STATES: usize = 60;
 
 /// The difference that a refit of one explanation to the exact output of the other leaves.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,8 +43,10 @@ pub struct Separation {
     pub chi_square: f64,
     /// Its square root: the distance in standard deviations.
     pub deviations: f64,
-    /// Values after the refit of the parameters that it may change, then those of the states at the start, such as `x(0)`.
+    /// Values after the refit of the parameters that it may change.
     pub parameters: Vec<(String, f64)>,
+    /// States at the start after the refit, such as `x(0)`.
+    pub start: Vec<(String, f64)>,
 }
 
 /// An experiment that tells two explanations apart.
@@ -106,7 +108,12 @@ impl Judged {
     }
 
     /// Refits both explanations from far away too.
-    fn refit_from_afar(&mut self, sides: &[Side<'_>; 2], stds: &[f64]) -> Result<(), ExperimentError> {
+    fn refit_from_afar(
+        &mut self,
+        sides: &[Side<'_>; 2],
+        stds: &[f64],
+        searcher: &Searcher<'_>,
+    ) -> Result<(), ExperimentError> {
         for (k, side) in sides.iter().enumerate() {
             let moved = |j: usize, factor: f64| {
                 let value = |(i, p): (usize, &Free)| if i == j { p.value * factor } else { p.value };
@@ -114,9 +121,14 @@ impl Judged {
             };
             let starts: Vec<Vec<f64>> = (0..side.free.len()).flat_map(|j| FAR.map(|factor| moved(j, factor))).collect();
             let truth = &self.candidate.runs[1 - k];
-            let fitted = Fitted::new(&side.exact, &self.candidate.signals, &side.free, stds, Some(truth));
-            if let Some(found) = fitted.refit(&starts)?.filter(|f| f.square < self.refits[k].square) {
-                self.refits[k] = found;
+            for start in starts {
+                if searcher.is_late() {
+                    return Ok(());
+                }
+                let fitted = Fitted::new(&side.exact, &self.candidate.signals, &side.free, stds, Some(truth));
+                if let Some(found) = fitted.refit(&[start])?.filter(|f| f.square < self.refits[k].square) {
+                    self.refits[k] = found;
+                }
             }
         }
         Ok(())
@@ -176,9 +188,9 @@ pub fn tell(
     let stds: Vec<f64> = noise.iter().map(|n| n.std).collect();
     let smooth = [0, 1].map(|k| Smooth::new(models[k], &setup.rest(), &simple[0].runs[k].states));
     let stopped = || ExperimentError::Simulation { model: explanations.map(|e| e.0).join(", ") };
-    let simple_best = best_of(&sides, &from, simple.iter().map(Candidate::copy).collect(), &stds)?;
+    let simple_best = best_of(&sides, &from, simple.iter().map(Candidate::copy).collect(), &stds, &searcher)?;
     let mut best = simple_best.ok_or_else(stopped)?;
-    best.refit_from_afar(&sides, &stds)?;
+    best.refit_from_afar(&sides, &stds, &searcher)?;
     let before = best.value().sqrt();
     let (mut starts, mut rounds) = (0, 0);
     while rounds < ROUNDS {
@@ -188,14 +200,22 @@ pub fn tell(
         let refitted: Vec<Free> = about(&sides[weak].free, &best.refits[weak].values);
         let Search { candidates, starts: tried } =
             searcher.search(&simple, &[best.candidate.pieces.clone()], &mut |margins, starts| {
-                plan([&smooth[1 - weak], &smooth[weak]], &refitted, &setup, &stds, margins, starts, options)
+                plan(
+                    [&smooth[1 - weak], &smooth[weak]],
+                    [&refitted, &sides[weak].free],
+                    &setup,
+                    &stds,
+                    margins,
+                    starts,
+                    options,
+                )
             })?;
         starts += tried;
         let value = best.value();
-        if let Some(found) = best_of(&sides, &from, candidates, &stds)?.filter(|f| f.value() > value) {
+        if let Some(found) = best_of(&sides, &from, candidates, &stds, &searcher)?.filter(|f| f.value() > value) {
             best = found;
         }
-        best.refit_from_afar(&sides, &stds)?;
+        best.refit_from_afar(&sides, &stds, &searcher)?;
         let settled = best.value() <= (1.0 + SETTLED) * value && best.weaker() == weak;
         let enough = best.value().sqrt() >= ENOUGH;
         for (from, refit) in from.iter_mut().zip(&best.refits) {
@@ -220,7 +240,7 @@ pub fn tell(
         before,
         rounds,
         fixed: options.fixed.clone(),
-        design: Design::new(&setup, best.candidate.signals, noise, starts),
+        design: Design::new(&setup, best.candidate.signals, noise, starts, searcher.is_late()),
     })
 }
 
@@ -241,7 +261,7 @@ fn about(free: &[Free], values: &[f64]) -> Vec<Free> {
 /// The plan that moves the output of the truth away from what refits of the other explanation reach.
 fn plan(
     [truth, other]: [&Smooth; 2],
-    refitted: &[Free],
+    [refitted, given]: [&[Free]; 2],
     setup: &Setup,
     stds: &[f64],
     margins: &[f64],
@@ -251,8 +271,8 @@ fn plan(
     let mut composed = Composed::new(setup);
     let is = composed.add(truth, "@1", setup, &[], &[], stds)?;
     let values: Vec<(&Free, f64)> = refitted.iter().map(|p| (p, p.value)).collect();
-    let sensitive = &refitted[..refitted.len().min(MOST_SENSITIVITIES)];
-    let seems = composed.add(other, "@2", setup, &values, sensitive, stds)?;
+    let sensitive = sensitive(refitted, given, [truth.x0.len(), other.x0.len()]);
+    let seems = composed.add(other, "@2", setup, &values, &sensitive, stds)?;
     let mut lists = seems.sensitivities;
     let pool = &mut composed.system.pool;
     lists.push(is.outputs.iter().zip(&seems.outputs).map(|(a, b)| pool.sub(*a, *b)).collect());
@@ -262,15 +282,29 @@ fn plan(
     Plan::new(&composed, cost, setup, margins, starts, options)
 }
 
+/// The parameters and starts of which a plan has the sensitivities: those that the last refit changed most, as many as fit in.
+fn sensitive(refitted: &[Free], given: &[Free], states: [usize; 2]) -> Vec<Free> {
+    let size = |count: usize| states[0] + states[1] * (count + 1) + (count + 1) * (count + 2) / 2;
+    let count = (0..=refitted.len()).take_while(|count| size(*count) <= MOST_STATES).last().unwrap_or(0);
+    let moved = |k: usize| ((refitted[k].value - given[k].value) / given[k].scale).abs();
+    let mut order: Vec<usize> = (0..refitted.len()).collect();
+    order.sort_by(|a, b| moved(*b).total_cmp(&moved(*a)));
+    order.into_iter().take(count).map(|k| refitted[k].clone()).collect()
+}
+
 /// Refits both explanations under each of the candidates; the one with the largest smaller separation.
 fn best_of(
     sides: &[Side<'_>; 2],
     from: &RefitStarts,
     candidates: Vec<Candidate>,
     stds: &[f64],
+    searcher: &Searcher<'_>,
 ) -> Result<Option<Judged>, ExperimentError> {
     let mut best: Option<Judged> = None;
     for candidate in candidates {
+        if best.is_some() && searcher.is_late() {
+            break;
+        }
         let refit = |k: usize| {
             let side = &sides[k];
             let truth = &candidate.runs[1 - k];
@@ -290,12 +324,17 @@ fn separation(truth: &Side<'_>, refitted: &Side<'_>, best: &Judged, k: usize, st
     let [a, b] = [0, 1].map(|i| best.candidate.runs[i].outputs.iter());
     let gaps = a.zip(b).flat_map(|(a, b)| a.iter().zip(b).zip(stds).map(|((a, b), std)| ((a - b) / std).powi(2)));
     let refit = &best.refits[k];
+    let values = refitted.free.iter().zip(&refit.values);
+    let (start, parameters): (Vec<_>, Vec<_>) = values.partition(|(p, _)| p.state.is_some());
+    let [parameters, start] =
+        [parameters, start].map(|list| list.into_iter().map(|(p, v)| (p.name.clone(), *v)).collect::<Vec<_>>());
     Separation {
         truth: truth.name.to_owned(),
         refitted: refitted.name.to_owned(),
         as_given: gaps.sum(),
         chi_square: refit.square,
         deviations: refit.square.sqrt(),
-        parameters: refitted.free.iter().zip(&refit.values).map(|(p, v)| (p.name.clone(), *v)).collect(),
+        parameters,
+        start,
     }
 }

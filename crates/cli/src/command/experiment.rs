@@ -103,8 +103,7 @@ pub(crate) fn run(args: &ExperimentArgs, output: &CommonArgs) -> anyhow::Result<
         limits: limits.iter().map(|b| Limit::new(&b.name, b.low, b.high)).collect(),
         measured: args.measure.clone(),
         noise: args.noise.clone(),
-        // A value that is an explanation is what is to be told, not to be fitted.
-        fixed: args.fix.iter().cloned().chain(args.tell.iter().filter_map(|t| value_of(t))).collect(),
+        fixed: fixed(args),
         starts: args.starts,
         seed: args.seed,
         time_limit: Some(args.time_limit.get()),
@@ -181,6 +180,17 @@ fn report(found: Found, output: &CommonArgs) -> anyhow::Result<Outcome> {
 /// Whether an explanation is a file, not a value of a parameter.
 fn is_file(text: &str) -> bool {
     !text.contains('=') || Path::new(text).is_file()
+}
+
+/// The parameters that are known, and those of which an explanation is a value: these are to be told, not fitted.
+fn fixed(args: &ExperimentArgs) -> Vec<String> {
+    let mut names = args.fix.clone();
+    for name in args.tell.iter().filter_map(|t| value_of(t)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
 }
 
 /// The parameter of which an explanation is a value.

@@ -11,6 +11,7 @@ fn options(duration: f64) -> ExperimentOptions {
     ExperimentOptions {
         limits: vec![Limit::new("u", -1.0, 1.0)],
         noise: vec![("y".into(), 0.01)],
+        starts: 3,
         ..ExperimentOptions::lasting(duration)
     }
 }

@@ -65,7 +65,7 @@ pub fn discrimination_figure(d: &Discrimination) -> Result<Drawing, PlotError> {
         let mut panel = Panel::new(design.quantities.title(&noise.column));
         panel = panel.series(line(&d.names[0], &d.outputs[0], k, Role::Given));
         panel = panel.series(line(&d.names[1], &d.outputs[1], k, Role::Extended));
-        if !d.refitted.is_empty() && !d.weaker().parameters.is_empty() {
+        if !d.refitted.is_empty() {
             let name = format!("{} refitted", d.weaker().refitted);
             panel = panel.series(line(&name, &d.refitted, k, Role::Refitted));
         }

@@ -26,6 +26,7 @@ fn common(design: &Design) -> Map<String, Value> {
     out.insert("limits".into(), Value::Object(limits));
     out.insert("noise".into(), json!(design.noise));
     out.insert("starts".into(), json!(design.starts));
+    out.insert("time_limit_reached".into(), json!(design.is_cut));
     out
 }
 
@@ -36,9 +37,9 @@ pub fn discrimination_json(d: &Discrimination) -> Value {
         .separations
         .iter()
         .map(|s| {
-            let parameters: Map<String, Value> = s.parameters.iter().map(|(n, v)| (n.clone(), json!(v))).collect();
+            let named = |list: &[(String, f64)]| list.iter().map(|(n, v)| (n.clone(), json!(v))).collect::<Map<_, _>>();
             json!({"truth": s.truth, "refitted": s.refitted, "chi_square": s.chi_square, "deviations": s.deviations,
-                "chi_square_as_given": s.as_given, "parameters": parameters})
+                "chi_square_as_given": s.as_given, "parameters": named(&s.parameters), "start": named(&s.start)})
         })
         .collect();
     out.insert("kind".into(), json!("tell"));

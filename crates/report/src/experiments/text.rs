@@ -42,14 +42,17 @@ fn assumptions(out: &mut String, d: &Design, models: &str, start: &str, fixed: &
         "computed by exact simulation of {models}, which keeps all limits; starts of the optimization: {}",
         d.starts
     );
+    if d.is_cut {
+        let _ =
+            writeln!(out, "note: the time limit ended the search; with a larger --time-limit, the result may change");
+    }
 }
 
 fn separation(s: &Separation) -> String {
     let values: Vec<String> = s.parameters.iter().map(|(name, v)| format!("{name} = {}", short(*v))).collect();
-    let with =
-        if values.is_empty() { "without free parameters".to_owned() } else { format!("with {}", values.join(", ")) };
+    let with = if values.is_empty() { String::new() } else { format!("{} and ", values.join(", ")) };
     format!(
-        "  if {} is true, {} {with} still misses it by chi-square {}, {} standard deviations (as given: chi-square {})",
+        "  if {} is true, {} with {with}another start still misses it by chi-square {}, {} standard deviations (as given: chi-square {})",
         s.truth,
         s.refitted,
         short(s.chi_square),
