@@ -60,11 +60,32 @@ impl<'a> Fitted<'a> {
         Some(DVector::from_iterator(run.outputs.len() * self.noise.len(), rows))
     }
 
+    /// A matrix with a column per variable, from the points a step above and below.
+    fn differences(
+        &mut self,
+        at: &DVector<f64>,
+        column: impl Fn(&mut Self, [DVector<f64>; 2]) -> Option<DVector<f64>>,
+    ) -> Option<DMatrix<f64>> {
+        let columns = (0..at.len()).map(|j| {
+            let moved = [STEP, -STEP].map(|step| {
+                let mut moved = at.clone();
+                moved[j] += step;
+                moved
+            });
+            column(self, moved)
+        });
+        let columns = columns.collect::<Option<Vec<_>>>()?;
+        let rows = columns.first().map_or(0, DVector::len);
+        Some(if columns.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&columns) })
+    }
+
     /// The derivatives of the outputs, in units of the noise, by relative changes of the parameters; none where a simulation stops.
     pub(crate) fn sensitivities(&mut self) -> Result<Option<DMatrix<f64>>, ExperimentError> {
         let at = DVector::zeros(self.free.len());
-        let residual = self.outputs(&at);
-        let jacobian = residual.and_then(|r| self.jacobian(&at, &r));
+        let jacobian = self.differences(&at, |fitted, moved| {
+            let [up, down] = moved.map(|at| fitted.outputs(&at));
+            Some((up? - down?) / (2.0 * STEP))
+        });
         match self.error.take() {
             Some(error) => Err(error),
             None => Ok(jacobian),
@@ -124,24 +145,16 @@ impl Problem for Fitted<'_> {
         self.outputs(at)
     }
 
+    /// By forward differences, at half the cost of central ones.
     fn jacobian(&mut self, at: &DVector<f64>, residual: &DVector<f64>) -> Option<DMatrix<f64>> {
-        let mut columns = Vec::new();
-        for j in 0..at.len() {
-            let mut beside = |step: f64| {
-                let mut moved = at.clone();
-                moved[j] += step;
-                self.outputs(&moved)
-            };
-            // Where one side cannot be simulated, the other one is enough.
-            let column = match (beside(STEP), beside(-STEP)) {
-                (Some(up), Some(down)) => (up - down) / (2.0 * STEP),
-                (Some(up), None) => (up - residual) / STEP,
-                (None, Some(down)) => (residual - down) / STEP,
-                (None, None) => return None,
-            };
-            columns.push(column);
-        }
-        Some(if columns.is_empty() { DMatrix::zeros(residual.len(), 0) } else { DMatrix::from_columns(&columns) })
+        self.differences(at, |fitted, moved| {
+            let [up, down] = moved;
+            match fitted.outputs(&up) {
+                Some(up) => Some((up - residual) / STEP),
+                // Where one side cannot be simulated, the other one is enough.
+                None => fitted.outputs(&down).map(|down| (residual - down) / STEP),
+            }
+        })
     }
 
     fn limits(&self) -> &[[f64; 2]] {

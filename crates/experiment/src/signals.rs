@@ -20,8 +20,13 @@ impl Signals {
     pub(crate) fn inputs(&self) -> Result<Inputs, InputError> {
         let mut inputs = Inputs::new();
         for (j, name) in self.names.iter().enumerate() {
-            let column = self.values.iter().map(|row| row[j]).collect();
-            inputs = inputs.samples(name, Samples::new(self.times.clone(), column, self.hold)?);
+            // A value that is held is one sample: a simulation stops at each.
+            let changes =
+                |k: &usize| self.hold == Hold::Linear || *k == 0 || self.values[*k][j] != self.values[*k - 1][j];
+            let kept: Vec<usize> = (0..self.times.len()).filter(changes).collect();
+            let times = kept.iter().map(|k| self.times[*k]).collect();
+            let column = kept.iter().map(|k| self.values[*k][j]).collect();
+            inputs = inputs.samples(name, Samples::new(times, column, self.hold)?);
         }
         Ok(inputs)
     }
