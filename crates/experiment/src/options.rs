@@ -152,6 +152,14 @@ pub enum ExperimentError {
         /// The input.
         input: String,
     },
+    /// A model that calls something else `t`.
+    #[error("{model}: the model calls a {kind} `t`, which is time here\n   = rename the {kind} in the model")]
+    Time {
+        /// Name of the model.
+        model: String,
+        /// What it calls so.
+        kind: &'static str,
+    },
     /// A model of a kind that cannot be planned with.
     #[error("{model}: {what} cannot be planned with\n   = write the model as x' = f(x, u)")]
     Kind {

@@ -113,6 +113,9 @@ fn plannable(system: &System) -> Result<(), ExperimentError> {
     if let Some(d) = system.input_derivatives.first() {
         return Err(ExperimentError::Derivatives { model, input: system.input_names()[d.input].clone() });
     }
+    if let Some(kind) = system.declares_time() {
+        return Err(ExperimentError::Time { model, kind });
+    }
     if system.period.is_some() {
         return Err(ExperimentError::Kind { model, what: "discrete time" });
     }

@@ -75,8 +75,8 @@ pub(crate) struct ExperimentArgs {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "tell")]
     fix: Vec<String>,
     /// Random inputs from which the optimization starts, beside simple ones
-    #[arg(long, value_name = "N", default_value_t = ExperimentOptions::lasting(1.0).starts)]
-    starts: usize,
+    #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(..=1000))]
+    starts: u16,
     #[command(flatten)]
     pub(crate) time_limit: TimeLimit,
     /// Seed of random starts
@@ -104,7 +104,7 @@ pub(crate) fn run(args: &ExperimentArgs, output: &CommonArgs) -> anyhow::Result<
         measured: args.measure.clone(),
         noise: args.noise.clone(),
         fixed: fixed(args),
-        starts: args.starts,
+        starts: usize::from(args.starts),
         seed: args.seed,
         time_limit: Some(args.time_limit.get()),
         stop: system.pool.stop_flag().clone(),

@@ -56,6 +56,8 @@ fn the_exit_code_tells_what_is_resolved_from_what_is_not_and_from_bad_input() {
     assert!(text(&o.stdout).contains("not identified: k, m"), "{}", text(&o.stdout));
     let o = with(&[&gain, "--parameters", "k"]);
     assert_eq!(code(&o), 0, "{}{}", text(&o.stdout), text(&o.stderr));
+    let timed =
+        file(&dir, "timed.toml", "states = ['t']\ninputs = ['u']\nparameters = { m = 1 }\ndynamics = { t = 'u/m' }\n");
     for (more, says) in [
         (&[&model[..], "--parameters", "q"][..], "`q`"),
         (&[&model, "--tell", "q=1"], "`q` is not a parameter"),
@@ -63,6 +65,9 @@ fn the_exit_code_tells_what_is_resolved_from_what_is_not_and_from_bad_input() {
         (&[&model, "--tell", "c=1", "--fix", "z"], "`z`"),
         (&[&model, "--tell", "c=1", "--sample", "-1"], "positive"),
         (&[&model], "--tell"),
+        (&[&timed, "--parameters", "m"], "which is time here"),
+        (&[&model, "--tell", "c=1,c=2,c=3"], "3 explanations"),
+        (&[&model, "--tell", "c=1", "--measure", "y"], "`y`"),
     ] {
         let o = with(more);
         assert!(code(&o) == 2 && text(&o.stderr).contains(says), "{more:?}: {}", text(&o.stderr));
