@@ -113,7 +113,9 @@ class Draw:
         for k in (0, 1):
             used = known if k == 1 else {n: v for n, v in known.items() if n != "m0"}
             model(self.path(k), pair.states[k], free | own[k], used, pair.models[k], pair.extra[k])
-        model(folder / "base.toml", "'x', 'v'", free, known, pair.base, "")
+        # The mass is what the model without the cause may have wrong.
+        mass = {k: v for k, v in known.items() if k == "m0"}
+        model(folder / "base.toml", "'x', 'v'", free | mass, {k: v for k, v in known.items() if k not in mass}, pair.base, "")
 
     def path(self, k: int) -> pathlib.Path:
         return self.folder / f"{'ab'[k]}.toml"

@@ -7,6 +7,8 @@ use serde::Serialize;
 
 /// Noise of a column of which nothing is known, as a share of its range.
 const SHARE: f64 = 0.01;
+/// Least noise of a column, as a share of its range: smaller differences are errors of the simulation.
+const LEAST: f64 = 1e-7;
 
 /// The noise of a measured column.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,6 +62,21 @@ pub(crate) fn noise(
             return Err(ExperimentError::Value { what, value: *std, remedy: "give a positive standard deviation" });
         }
     }
+    let range = |k: usize| {
+        let ranges = runs.iter().map(|run| {
+            let values = run.outputs.iter().map(|y| y[k]);
+            let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |e, v| [e[0].min(v), e[1].max(v)]);
+            ends[1] - ends[0]
+        });
+        ranges.fold(0.0, f64::max)
+    };
+    for (name, std) in &options.noise {
+        let known = setup.columns.iter().position(|c| c == name);
+        if known.is_some_and(|k| *std < LEAST * range(k)) {
+            let (what, remedy) = (format!("the noise of `{name}`"), "give at least a ten-millionth of its range");
+            return Err(ExperimentError::Value { what, value: *std, remedy });
+        }
+    }
     let of = |(k, column): (usize, &String)| {
         let named = |source, std| ColumnNoise { column: column.clone(), std, source };
         if let Some((_, std)) = options.noise.iter().find(|n| n.0 == *column) {
@@ -68,12 +85,7 @@ pub(crate) fn noise(
         if let Some(limit) = setup.states.iter().find(|l| l.name == *column) {
             return named(NoiseSource::Limits, SHARE * (limit.high - limit.low));
         }
-        let ranges = runs.iter().map(|run| {
-            let values = run.outputs.iter().map(|y| y[k]);
-            let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |e, v| [e[0].min(v), e[1].max(v)]);
-            ends[1] - ends[0]
-        });
-        let range = ranges.fold(0.0, f64::max);
+        let range = range(k);
         if range > 0.0 { named(NoiseSource::Range, SHARE * range) } else { named(NoiseSource::Unknown, 1.0) }
     };
     Ok(setup.columns.iter().enumerate().map(of).collect())

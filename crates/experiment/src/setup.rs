@@ -169,6 +169,7 @@ fn chosen(models: &[&System], measured: &[String]) -> Result<Vec<String>, Experi
 pub(crate) fn unknown(option: &'static str, name: &str, what: &'static str, known: &[String]) -> ExperimentError {
     let remedy = match closest_name(name, known.iter().map(String::as_str)) {
         Some(near) => format!("did you mean `{near}`?"),
+        None if known.is_empty() => "there are none".to_owned(),
         None => format!("there are {}", known.join(", ")),
     };
     ExperimentError::UnknownName { option, name: name.to_owned(), what, remedy }

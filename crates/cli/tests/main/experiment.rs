@@ -68,6 +68,7 @@ fn the_exit_code_tells_what_is_resolved_from_what_is_not_and_from_bad_input() {
         (&[&timed, "--parameters", "m"], "which is time here"),
         (&[&model, "--tell", "c=1,c=2,c=3"], "3 explanations"),
         (&[&model, "--tell", "c=1", "--measure", "y"], "`y`"),
+        (&[&model, "--tell", "c=1", "--noise", "x=1e-300"], "the noise of `x`"),
     ] {
         let o = with(more);
         assert!(code(&o) == 2 && text(&o.stderr).contains(says), "{more:?}: {}", text(&o.stderr));
