@@ -25,4 +25,4 @@ pub use noise::{ColumnNoise, NoiseSource};
 pub use options::{ExperimentError, ExperimentOptions, Limit};
 pub use setup::comparable;
 pub use signals::Signals;
-pub use tell::{Discrimination, RESOLVED, Separation, tell};
+pub use tell::{CLEAR, Discrimination, RESOLVED, Separation, tell};

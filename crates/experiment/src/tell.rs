@@ -19,6 +19,9 @@ use serde::Serialize;
 
 /// Standard deviations above which an experiment resolves two explanations: noise alone prefers the wrong one in 0.6 % of the cases.
 pub const RESOLVED: f64 = 5.0;
+/// Standard deviations from which on a diagnosis tells the explanations apart, too: it fits the start of every window, not only that of the run. By
+/// the random draws of `benches/diagnosis/experiments.py`.
+pub const CLEAR: f64 = 50.0;
 /// Rounds of planning and refitting.
 const ROUNDS: usize = 3;
 /// Gain of a round, relative, below which there is no other.
@@ -77,6 +80,11 @@ impl Discrimination {
     pub fn weaker(&self) -> &Separation {
         let [a, b] = &self.separations;
         if a.chi_square <= b.chi_square { a } else { b }
+    }
+
+    /// Whether a diagnosis of its data can be expected to tell the explanations apart, too.
+    pub fn is_clear(&self) -> bool {
+        self.weaker().deviations >= CLEAR
     }
 
     /// Whether the experiment tells the explanations apart, whichever is true.

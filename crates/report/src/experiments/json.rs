@@ -47,6 +47,7 @@ pub fn discrimination_json(d: &Discrimination) -> Value {
     out.insert("resolved".into(), json!(d.resolves()));
     out.insert("deviations".into(), json!(d.weaker().deviations));
     out.insert("threshold".into(), json!(RESOLVED));
+    out.insert("clear".into(), json!(d.is_clear()));
     out.insert("deviations_before".into(), json!(d.before));
     out.insert("separations".into(), json!(separations));
     out.insert("rounds".into(), json!(d.rounds));

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use bracketry_diagnose::significant;
-use bracketry_experiment::{Design, Discrimination, IDENTIFIED, Identification, RESOLVED, Separation};
+use bracketry_experiment::{CLEAR, Design, Discrimination, IDENTIFIED, Identification, RESOLVED, Separation};
 use bracketry_sim::Hold;
 use bracketry_system::readable;
 
@@ -78,6 +78,13 @@ pub fn discrimination_text(d: &Discrimination) -> String {
     let weaker = d.weaker().deviations;
     if d.resolves() {
         let _ = writeln!(out, "resolved: {} standard deviations, at least {RESOLVED} are required", short(weaker));
+        if !d.is_clear() {
+            let _ = writeln!(
+                out,
+                "  note: this holds for a comparison of both refits over the whole run; `bracketry diagnose`, which fits the start of every \
+                 window, may need {CLEAR}"
+            );
+        }
     } else {
         let _ = writeln!(out, "not resolved: {} standard deviations, at least {RESOLVED} are required", short(weaker));
         let _ = writeln!(
