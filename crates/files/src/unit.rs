@@ -89,12 +89,9 @@ impl Unit {
     /// `J/kg K`.
     pub fn parse(text: &str) -> Option<Unit> {
         let text = text.trim();
-        let (above, below) = match text.split_once('/') {
-            None => (text, ""),
-            Some((above, below)) => (above, below),
-        };
-        let mut unit = product(above)?;
-        for part in below.split('/').filter(|_| !below.is_empty()) {
+        let mut parts = text.split('/');
+        let mut unit = product(parts.next()?)?;
+        for part in parts {
             let part = part.trim();
             let inner = part.strip_prefix('(').and_then(|p| p.strip_suffix(')'));
             let divisor = product(inner.unwrap_or(part))?;
