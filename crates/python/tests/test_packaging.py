@@ -101,4 +101,4 @@ def test_manifests_are_complete() -> None:
             keys |= {"readme", "documentation", "keywords", "categories"}
             assert all((manifest.parent / text).is_file() for text in ("LICENSE-MIT", "LICENSE-APACHE")), manifest
         assert keys <= package.keys(), f"{manifest}: {keys - package.keys()}"
-    assert published == 19
+    assert published == 20

@@ -111,3 +111,22 @@ def test_what_is_no_model_is_refused(arguments: dict, message: str) -> None:
 def test_a_file_that_is_not_there() -> None:
     with pytest.raises(BracketryError, match="nowhere.toml"):
         System.from_file("nowhere.toml")
+
+
+def test_units_stand_where_the_model_states_them() -> None:
+    tank = System(
+        states=["V"],
+        inputs=["F"],
+        dynamics={"V": "F"},
+        units={"V": "L", "F": "L/h"},
+        labels={"V": "volume"},
+        time_unit="h",
+    )
+    assert tank.units == {"V": "L", "F": "L/h"}
+    assert tank.time_unit == "h"
+    again = System.from_toml(tank.to_toml())
+    assert (again.units, again.time_unit) == (tank.units, "h")
+    run = bracketry.simulate(tank, duration=2.0, inputs={"F": 1.0})
+    assert run.titles == {"t": "t [h]", "V": "volume V [L]", "F": "F [L/h]"}
+    with pytest.raises(BracketryError, match="not a unit of time"):
+        System(states=["x"], dynamics={"x": "x"}, time_unit="hour")
