@@ -103,7 +103,7 @@ fn what_is_wrong_is_named_with_place_and_remedy() {
     };
     let plain = RecordSettings::default();
     refused("no_t.csv", "clock,F,x\n0,1,2\n", SLIDER, &plain, &["`t`", "clock", "--rename \"clock=t\""]);
-    let measured = ["no measurement", "q", "x, v, power", "--rename q=x"];
+    let measured = ["no measurement", "q", "x, v, power", "--rename \"q=x\""];
     refused("unmeasured.csv", "t,F,q\n0,1,2\n1,1,2\n", SLIDER, &plain, &measured);
     refused("no_input.csv", "t,x,u\n0,1,2\n1,1,2\n", SLIDER, &plain, &["uses `F`", "u", "--rename column=F"]);
     refused("no_der.csv", "t,x\n0,1\n1,1\n", CART, &plain, &["der(X,2)"]);
