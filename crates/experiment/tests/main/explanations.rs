@@ -1,20 +1,8 @@
 //! Inputs that tell two explanations apart.
 
-use bracketry_experiment::{ExperimentError, ExperimentOptions, Limit, tell};
+use crate::common::{model, options};
+use bracketry_experiment::{ExperimentError, Limit, tell};
 use bracketry_system::System;
-
-fn model(text: &str) -> System {
-    System::parse("model.toml", text).unwrap()
-}
-
-fn options(duration: f64) -> ExperimentOptions {
-    ExperimentOptions {
-        limits: vec![Limit::new("u", -1.0, 1.0)],
-        noise: vec![("y".into(), 0.01)],
-        starts: 3,
-        ..ExperimentOptions::lasting(duration)
-    }
-}
 
 fn lag(text: &str) -> System {
     model(&format!("states = ['y']\ninputs = ['u']\n{text}"))

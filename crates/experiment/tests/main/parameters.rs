@@ -1,22 +1,9 @@
 //! Inputs that identify parameters.
 
-use bracketry_experiment::{ExperimentError, ExperimentOptions, Identification, Limit, identify};
-use bracketry_system::System;
+use crate::common::{model, options};
+use bracketry_experiment::{ExperimentError, ExperimentOptions, Identification, identify};
 
 const LAG: &str = "states = ['y']\ninputs = ['u']\nparameters = { a = 1, b = 2 }\ndynamics = { y = '-a*y + b*u' }";
-
-fn model(text: &str) -> System {
-    System::parse("model.toml", text).unwrap()
-}
-
-fn options(duration: f64) -> ExperimentOptions {
-    ExperimentOptions {
-        limits: vec![Limit::new("u", -1.0, 1.0)],
-        noise: vec![("y".into(), 0.01)],
-        starts: 3,
-        ..ExperimentOptions::lasting(duration)
-    }
-}
 
 /// Determinant of the Fisher information of relative changes, from the standard deviations and their correlation.
 fn determinant(found: &Identification) -> f64 {
