@@ -41,7 +41,7 @@ const PLAIN: [(&str, Dimensions, f64, f64); 26] = [
     ("t", MASS, 1000.0, 0.0),
     ("lb", MASS, 0.453_592_37, 0.0),
     ("lbf", FORCE, 4.448_221_615_260_5, 0.0),
-    ("km/h", [1, 0, -1, 0, 0, 0, 0], 1.0 / 3.6, 0.0),
+    ("a", TIME, 365.25 * 86_400.0, 0.0),
 ];
 const LENGTH: Dimensions = [1, 0, 0, 0, 0, 0, 0];
 const MASS: Dimensions = [0, 1, 0, 0, 0, 0, 0];

@@ -12,7 +12,7 @@ use bracketry_sim::Breakdown;
 use bracketry_system::{TimeUnit, counted, readable};
 
 use crate::control_signals::{columns, is_tracking, panels, with_references};
-use crate::curves::drawn_times;
+use crate::curves::{drawn_times, with_bounds};
 use crate::simulation::{self, friction_bands, friction_colors};
 
 /// The figures of a closed loop, one to a line.
@@ -319,9 +319,7 @@ pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawi
             panel = panel.target(target.value);
         }
         let b = problem.ocp.state_bounds[k];
-        for bound in [b.min, b.max].into_iter().filter(|b| b.is_finite()) {
-            panel = panel.bound(bound);
-        }
+        panel = with_bounds(panel, (b.min, b.max));
         panel = friction_bands(panel, &controlled.recording.trajectory, &controlled.switches, name);
         chart = chart.panel(panel);
     }
@@ -329,11 +327,7 @@ pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawi
         let mut panel =
             Panel::new(format!("input {}", quantities.title(name))).series(held(&run.t, run.u.iter().map(|u| u[k])));
         panel = with_references(panel, problem, &run.t, name);
-        let (min, max) = problem.ocp.input_bounds[k];
-        for bound in [min, max].into_iter().filter(|b| b.is_finite()) {
-            panel = panel.bound(bound);
-        }
-        chart = chart.panel(panel);
+        chart = chart.panel(with_bounds(panel, problem.ocp.input_bounds[k]));
     }
     for panel in panels(problem, controlled) {
         chart = chart.panel(panel);

@@ -1,5 +1,6 @@
-//! At which times a computed motion is drawn.
+//! At which times a computed motion is drawn, and between which bounds.
 
+use bracketry_plot::Panel;
 use bracketry_sim::Trajectory;
 
 /// A line has a point at least at every such part of the motion.
@@ -17,4 +18,9 @@ pub(crate) fn drawn_times(motion: &Trajectory) -> Vec<f64> {
     }
     times.extend(steps.last());
     times
+}
+
+/// A panel with the bounds that are finite.
+pub(crate) fn with_bounds(panel: Panel, bounds: (f64, f64)) -> Panel {
+    [bounds.0, bounds.1].into_iter().filter(|bound| bound.is_finite()).fold(panel, Panel::bound)
 }

@@ -79,7 +79,7 @@ pub use model_text::WriteError;
 pub use new_input::{AtPoint, NewInput};
 pub use new_state::NewState;
 pub use point_text::{PointError, point};
-pub use quantities::Quantities;
+pub use quantities::{Quantities, with_unit};
 pub use range::{Bound, Range};
 pub use range_note::RangeNote;
 pub use readable::{counted, readable};

@@ -79,16 +79,19 @@ impl Quantities {
     /// The title of an axis: `x [m]`, with the label before the name where there is one.
     pub fn title(&self, name: &str) -> String {
         let label = self.label(name).map_or_else(String::new, |label| format!("{label} "));
-        format!("{label}{name}{}", bracketed(self.unit(name)))
+        with_unit(&format!("{label}{name}"), self.unit(name))
     }
 
     /// The title of the axis of a time, such as `time` or `duration`: `time [s]`.
     pub fn time_title(&self, what: &str) -> String {
-        format!("{what}{}", bracketed(Some(self.time_unit.name())))
+        with_unit(what, Some(self.time_unit.name()))
     }
 }
 
-/// A unit as it stands behind the name of a quantity.
-fn bracketed(unit: Option<&str>) -> String {
-    unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" [{unit}]"))
+/// A quantity with its unit behind it in brackets, as at an axis: `x [m]`; alone where it has none.
+pub fn with_unit(quantity: &str, unit: Option<&str>) -> String {
+    match unit {
+        None | Some("") => quantity.to_owned(),
+        Some(unit) => format!("{quantity} [{unit}]"),
+    }
 }

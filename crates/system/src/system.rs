@@ -1,5 +1,7 @@
 //! A control system x' = f(x, u, u', …; p) with outputs and a point of interest.
 
+use std::collections::BTreeMap;
+
 use bracketry_files::{Document, FileError};
 use bracketry_symbolic::{CompileError, Expr, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
@@ -270,6 +272,12 @@ impl System {
     pub fn delay_values(&self) -> Vec<Option<f64>> {
         let of = |u: &Symbol| self.input_delays.iter().find(|d| d.input == *u);
         self.inputs.iter().map(|u| of(u).map_or(Some(0.0), |d| self.value(d.delay))).collect()
+    }
+
+    /// The inputs that act later than they are commanded, with their delays.
+    pub fn delays_by_name(&self) -> BTreeMap<String, f64> {
+        let named = self.input_names().into_iter().zip(self.delay_values());
+        named.filter_map(|(name, delay)| Some((name, delay.filter(|d| *d > 0.0)?))).collect()
     }
 
     /// The point as numbers, states and inputs; `None` if the model gives none.

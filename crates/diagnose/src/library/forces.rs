@@ -6,7 +6,7 @@ use bracketry_symbolic::{Expr, Symbol};
 
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
 use super::names::TIME_INPUT;
-use super::structure::{Coordinate, Kind, is_angle, is_constant, time_unit};
+use super::structure::{Coordinate, Kind, is_angle, is_constant};
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
 
@@ -130,7 +130,7 @@ impl Builder {
             };
             self.wave(c, "ripple", &q, &q, trials, &c.length_unit)?;
         }
-        self.wave(c, "hum", &v, TIME_INPUT, log_grid(0.02, 2.0, 6), time_unit(&self.system))
+        self.wave(c, "hum", &v, TIME_INPUT, log_grid(0.02, 2.0, 6), self.system.quantities.time_unit.name())
     }
 
     fn wave(

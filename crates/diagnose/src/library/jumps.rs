@@ -6,7 +6,6 @@ use bracketry_system::System;
 use super::builder::{Builder, amplitude, shape};
 use super::names::{TIME_INPUT, symbols};
 use super::paths::interval;
-use super::structure::time_unit;
 use crate::effect::{Cause, Change, Coefficient, Effect};
 use crate::error::DiagnoseError;
 use crate::formula::Formula;
@@ -145,7 +144,7 @@ impl Builder {
             ..shape(
                 self.name("jump_time", &place.name),
                 vec![0.5 * (from + to)],
-                time_unit(&self.system),
+                self.system.quantities.time_unit.name(),
                 "time of the change, in the log",
             )
         };
@@ -166,7 +165,7 @@ impl Builder {
             ..shape(
                 middle,
                 shares(from, [0.25, 0.5, 0.75]),
-                time_unit(&self.system),
+                self.system.quantities.time_unit.name(),
                 "time of the middle of the change, in the log",
             )
         };
@@ -174,7 +173,12 @@ impl Builder {
         let duration = Coefficient {
             min: interval(records),
             max: 2.0 * all,
-            ..shape(lasting, shares(0.0, [0.25, 0.5, 1.0]), time_unit(&self.system), "time that the change takes")
+            ..shape(
+                lasting,
+                shares(0.0, [0.25, 0.5, 1.0]),
+                self.system.quantities.time_unit.name(),
+                "time that the change takes",
+            )
         };
         let law = format!("{}*{}", change.name, step(&at.name, &duration.name));
         let how = format!("along a straight line of {} around t = {}", duration.name, at.name);

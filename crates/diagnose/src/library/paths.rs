@@ -4,7 +4,7 @@ use bracketry_numerics::statistics::{median, rms, steps};
 use bracketry_symbolic::{Fence, Joint, Notation, Relation};
 
 use super::builder::{Builder, amplitude, dissipation, log_grid};
-use super::structure::{Coordinate, Kind, time_unit};
+use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::formula::Formula;
 use crate::record::Record;
@@ -149,7 +149,7 @@ impl Builder {
             max: 10.0 * longest.max(interval),
             scale: interval,
             trials: log_grid(0.5 * interval, longest.max(20.0 * interval), trials),
-            ..dissipation(k, time_unit(&self.system), format!("{shown} {what}"))
+            ..dissipation(k, self.system.quantities.time_unit.name(), format!("{shown} {what}"))
         };
         self.path(cause, path, signals, term, c);
     }

@@ -155,7 +155,7 @@ impl Structure {
             };
             let length_unit = length_unit(system, position, kind);
             let force_unit = force_unit(system, rate, (kind, &length_unit), input, friction.as_ref());
-            let time_unit = time_unit(system);
+            let time_unit = system.quantities.time_unit.name();
             let has_dry_friction = friction.is_some() || resists(system, rate);
             coordinates.push(Coordinate {
                 position,
@@ -440,11 +440,6 @@ fn resists(system: &mut System, rate: usize) -> bool {
     })
 }
 
-/// Symbol of the unit of time; empty for a time without unit.
-pub(crate) fn time_unit(system: &System) -> &'static str {
-    system.quantities.time_unit.name()
-}
-
 /// The unit that the model states of a coordinate, else that of its kind; a model in scaled time has none.
 fn length_unit(system: &System, position: Option<usize>, kind: Kind) -> String {
     let stated = position.and_then(|q| system.quantities.unit(system.symbol_name(system.states[q])));
@@ -463,7 +458,7 @@ fn force_unit(
     friction: Option<&DryFriction>,
 ) -> String {
     let Some(input) = input else {
-        let time = time_unit(system);
+        let time = system.quantities.time_unit.name();
         return if time.is_empty() { length.to_owned() } else { format!("{length}/{time}^2") };
     };
     if let Some(stated) = system.quantities.unit(system.symbol_name(system.inputs[input])) {

@@ -104,17 +104,10 @@ pub fn analyze(system: &System, options: &AnalysisOptions) -> Result<Analysis, A
         states: affinization.system.states.len(),
         inputs: affinization.system.inputs.len(),
         affine,
-        input_delays: delays(system),
+        input_delays: system.delays_by_name(),
         affinization,
         family,
         report,
         original: given.clone(),
     })
-}
-
-/// The inputs that act later than they are commanded, with their delays in seconds.
-pub(crate) fn delays(system: &System) -> BTreeMap<String, f64> {
-    let values = system.delay_values();
-    let named = system.input_names().into_iter().zip(values);
-    named.filter_map(|(name, delay)| Some((name, delay.filter(|d| *d > 0.0)?))).collect()
 }

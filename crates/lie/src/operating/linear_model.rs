@@ -8,7 +8,6 @@ use nalgebra::DMatrix;
 use rustc_hash::FxHashMap;
 use serde::{Serialize, Serializer};
 
-use crate::analysis::analyze::delays;
 use crate::error::Error;
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::zeros::Quadruple;
@@ -187,7 +186,7 @@ impl LinearModel {
             model: original.name.clone(),
             states: original.state_names(),
             inputs: original.input_names(),
-            input_delays: delays(original),
+            input_delays: original.delays_by_name(),
             outputs,
             states_are_outputs,
             point: frame.point,

@@ -3,7 +3,7 @@
 use bracketry_diagnose::{Cause, ForceResidual, HeldOut, Place, Predicted, Regime, Report, ResidualAcceleration};
 use bracketry_plot::{BarChart, Color, IntervalChart, Panel, Role, Series, TimeSeries, XyChart};
 
-use bracketry_system::Quantities;
+use bracketry_system::{Quantities, with_unit};
 
 use super::Diagnosis;
 use super::sentences::brief;
@@ -255,10 +255,7 @@ fn prediction(quantities: &Quantities, held_out: &HeldOut, shown: [usize; 2]) ->
         };
         let measured = Series::new("measured", t.clone(), at(&|k| m.values[p.start + k])).role(Role::Measured);
         let mut above = Panel::new(quantities.title(&m.name)).series(measured);
-        let mut below = Panel::new(match quantities.unit(&m.name) {
-            Some(unit) => format!("{}: measured − predicted [{unit}]", m.name),
-            None => format!("{}: measured − predicted", m.name),
-        });
+        let mut below = Panel::new(with_unit(&format!("{}: measured − predicted", m.name), quantities.unit(&m.name)));
         for model in shown {
             let predicted = &p.columns[model][c];
             above = above.series(line(model, at(&|k| predicted[k])));
@@ -294,10 +291,10 @@ fn forces(quantities: &Quantities, held_out: &HeldOut, shown: [usize; 2]) -> Vec
                     let unit = quantities.unit(input).map_or_else(|| format!("unit of {input}"), str::to_owned);
                     format!("needed − applied [{unit}]")
                 }
-                None => match quantities.unit_of_derivative(equation, 1) {
-                    Some(unit) => format!("measured − modeled rate of {equation} [{unit}]"),
-                    None => format!("measured − modeled rate of {equation}"),
-                },
+                None => with_unit(
+                    &format!("measured − modeled rate of {equation}"),
+                    quantities.unit_of_derivative(equation, 1).as_deref(),
+                ),
             };
             let mut panel = Panel::new(what);
             for (model, points) in shown.into_iter().zip([&before, &after]) {

@@ -2,7 +2,7 @@
 
 use bracketry_plot::{Color, Drawing, PlotError, RegimeMap};
 use bracketry_steer::from_rest::{Answer, CellAnswers, FromRestMap};
-use bracketry_system::{Quantities, readable};
+use bracketry_system::{Quantities, readable, with_unit};
 use serde_json::{Value, json};
 
 /// What changes in a cell, in words.
@@ -75,7 +75,7 @@ fn axis(quantities: &Quantities, name: &str) -> String {
         }
         None => (format!("largest deviation of {name}"), quantities.unit(name).map(str::to_owned)),
     };
-    unit.map_or_else(|| what.clone(), |unit| format!("{what} [{unit}]"))
+    with_unit(&what, unit.as_deref())
 }
 
 /// Cells by the coordinates that change.

@@ -3,6 +3,7 @@
 use super::columns::{input_columns, output_columns};
 use super::friction::{friction_bands, friction_colors};
 use super::text::ROUNDING;
+use crate::curves::with_bounds;
 use bracketry_plot::{Drawing, Panel, PlotError, Series, TimeSeries};
 use bracketry_sim::{Scenario, ScenarioRun};
 use bracketry_symbolic::Node;
@@ -44,9 +45,11 @@ pub fn figure(system: &System, scenario: &Scenario, run: &ScenarioRun) -> Result
     }
     for (k, name) in inputs {
         let label = format!("input {}", titled(&name, &alias(system.inputs[k])));
-        let (low, high) = system.range_of_input(k).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-        let ends = [low, high].into_iter().filter(|end| end.is_finite());
-        chart = chart.panel(ends.fold(panel(label, k, &run.inputs), Panel::bound));
+        let panel = panel(label, k, &run.inputs);
+        chart = chart.panel(match system.range_of_input(k) {
+            Some(range) => with_bounds(panel, range),
+            None => panel,
+        });
     }
     if outputs.len() <= MAX_OUTPUT_PANELS {
         for (k, name) in outputs {

@@ -5,7 +5,7 @@ use bracketry_sim::Hold;
 use bracketry_steer::Steering;
 use bracketry_symbolic::{Func, Node};
 
-use crate::curves::drawn_times;
+use crate::curves::{drawn_times, with_bounds};
 
 /// Points of a line.
 const POINTS: usize = 400;
@@ -34,8 +34,10 @@ pub fn steering_figure(s: &Steering) -> Option<Result<Drawing, PlotError>> {
         let series = Series::new("", signals.times.clone(), values);
         let series = if signals.hold == Hold::Previous { series.step() } else { series };
         let panel = Panel::new(format!("input {}", s.system.quantities.title(&name))).rounding(ROUNDING).series(series);
-        let (low, high) = s.system.range_of_input(j).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-        chart = chart.panel([low, high].into_iter().filter(|end| end.is_finite()).fold(panel, Panel::bound));
+        chart = chart.panel(match s.system.range_of_input(j) {
+            Some(range) => with_bounds(panel, range),
+            None => panel,
+        });
     }
     Some(chart.draw())
 }
