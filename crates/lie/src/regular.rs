@@ -24,10 +24,15 @@ pub(crate) fn regular_at(system: &mut System, point: &Point) -> Result<(), Error
     }
     let mut roots: Vec<Expr> = system.dynamics.clone();
     roots.extend(system.outputs.iter().map(|o| o.1));
+    // As written, the equations have no value where these have none.
+    roots.extend(&system.canceled);
     // Values such as that of the new input 1/u.
     roots.extend(point.states.iter().chain(&point.inputs));
     let found = system.pool.irregular_at(&roots, &at);
-    let text = |e: Expr| Function::new(&system.pool, e).text();
+    let text = |e: Expr| {
+        let hidden = if system.canceled.contains(&e) { ", which cancels in the equations," } else { "" };
+        Function::new(&system.pool, e).text() + hidden
+    };
     match found {
         None => Ok(()),
         Some(Irregular::NoValue(e)) => Err(Error::NoValue { what: text(e) }),

@@ -455,6 +455,11 @@ impl Pool {
         self.node(e) == Node::Num(ONE)
     }
 
+    /// Every node, ascending.
+    pub(crate) fn all(&self) -> impl Iterator<Item = Expr> {
+        (0..self.len()).map(|i| Expr(i as u32))
+    }
+
     /// Every node that `roots` use, ascending (operands before users), each once.
     pub fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
         let Some(last) = roots.iter().max() else { return Vec::new() };

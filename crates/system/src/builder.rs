@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::ops::{Bound, RangeBounds};
 
 use bracketry_symbolic::{Expr, Node, Rational, Symbol};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::rules::{Declared, ModelError, check_parameter, check_range};
 use crate::scope::{Derivatives, Scope};
@@ -58,6 +58,8 @@ struct Draft {
     /// Names that formulas may use.
     names: FxHashMap<String, Expr>,
     derivatives: Derivatives,
+    /// What names in formulas stood for.
+    met: FxHashSet<Expr>,
     rates: FxHashMap<Symbol, Expr>,
     point: Vec<(Symbol, Expr)>,
     static_levels: Vec<StaticLevel>,
@@ -234,7 +236,8 @@ impl Builder {
         let draft = &mut *self.draft.borrow_mut();
         let pool = &mut *self.sheet.pool.borrow_mut();
         let inputs: Vec<String> = draft.system.inputs.iter().map(|&u| pool.name(u).to_owned()).collect();
-        let mut scope = Scope { plain: &draft.names, inputs: &inputs, derivatives: &mut draft.derivatives };
+        let Draft { names, derivatives, met, .. } = draft;
+        let mut scope = Scope { plain: names, inputs: &inputs, derivatives, met };
         let read = pool.parse_with(text, &mut scope).unwrap_or_else(|e| {
             self.refuse(format!("`{text}`: {}", e.message), e.remedy);
             pool.int(0)
@@ -309,7 +312,7 @@ impl Builder {
     /// name in a formula, a surplus or missing equation, a range without values, a delay or static level that is none.
     pub fn build(self) -> Result<System, ModelError> {
         let Builder { sheet, draft } = self;
-        let Draft { mut system, rates, point, static_levels, derivatives, .. } = draft.into_inner();
+        let Draft { mut system, rates, point, static_levels, derivatives, met, .. } = draft.into_inner();
         if let Some(error) = sheet.error.into_inner() {
             return Err(error);
         }
@@ -326,6 +329,7 @@ impl Builder {
             system.dynamics.push(rate);
         }
         system.input_derivatives = derivatives.list();
+        system.find_canceled([], &met);
         if !point.is_empty() {
             let zero = system.pool.int(0);
             // What is said last holds.

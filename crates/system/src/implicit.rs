@@ -21,6 +21,12 @@ pub(crate) struct Equation {
     place: Range<usize>,
 }
 
+impl Equation {
+    pub(crate) fn residual(&self) -> Expr {
+        self.variable.residual
+    }
+}
+
 /// Declares the algebraic variables.
 pub(crate) fn algebraic_names(
     doc: &Document,
@@ -153,6 +159,10 @@ pub(crate) struct MassMatrix {
 }
 
 impl MassMatrix {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = Expr> {
+        self.rows.iter().flatten().copied()
+    }
+
     /// Reads the key `mass`: a matrix over all states, or `{ states, matrix }`.
     pub(crate) fn read(
         doc: &Document,

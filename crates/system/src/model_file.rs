@@ -9,7 +9,9 @@ use bracketry_files::{Document, FileError, Table, Value};
 
 use crate::constants::Constants;
 use crate::discrete_time::discrete_period;
-use crate::implicit::{MassMatrix, algebraic_equations, algebraic_names, eliminate_algebraic, smooth_beside_algebraic};
+use crate::implicit::{
+    Equation, MassMatrix, algebraic_equations, algebraic_names, eliminate_algebraic, smooth_beside_algebraic,
+};
 use crate::input_delay::read_input_delays;
 use crate::rules::{Declared, check_parameter, check_range};
 use crate::scope::{Derivatives, Scope};
@@ -139,10 +141,11 @@ impl<'d> Reader<'d> {
         plain.extend(self.constants.iter().cloned());
         let input_names: Vec<String> = self.inputs.iter().map(|&s| self.pool.name(s).to_owned()).collect();
         let mut derivatives = Derivatives::default();
+        let mut met = FxHashSet::default();
         let mut definitions = self.constants.clone();
-        definitions.extend(self.read_definitions(&table, &mut plain, &input_names, &mut derivatives)?);
+        definitions.extend(self.read_definitions(&table, &mut plain, &input_names, &mut derivatives, &mut met)?);
 
-        let mut scope = Scope { plain: &plain, inputs: &input_names, derivatives: &mut derivatives };
+        let mut scope = Scope { plain: &plain, inputs: &input_names, derivatives: &mut derivatives, met: &mut met };
         let dynamics = self.read_dynamics(&table, &mut scope)?;
         let mass = MassMatrix::read(doc, &table, &self.states, &mut self.pool, &mut scope)?;
         let equations = algebraic_equations(doc, &table, algebraic, &mut self.pool, &mut scope)?;
@@ -172,6 +175,8 @@ impl<'d> Reader<'d> {
             period,
             ..System::default()
         };
+        let implicit = equations.iter().map(Equation::residual).chain(mass.iter().flat_map(MassMatrix::entries));
+        system.find_canceled(implicit, &met);
         if let Some(mass) = mass {
             mass.solve(doc, &mut system)?;
         }
@@ -331,6 +336,7 @@ impl<'d> Reader<'d> {
         plain: &mut FxHashMap<String, Expr>,
         inputs: &[String],
         derivatives: &mut Derivatives,
+        met: &mut FxHashSet<Expr>,
     ) -> Result<Vec<(String, Expr)>, FileError> {
         let doc = self.doc;
         let Some(t) = doc.sub_table(table, "definitions")? else { return Ok(Vec::new()) };
@@ -344,7 +350,7 @@ impl<'d> Reader<'d> {
         }
         let mut raw: Vec<Expr> = Vec::new();
         for (name, _, value, _) in &entries {
-            let mut scope = Scope { plain, inputs, derivatives };
+            let mut scope = Scope { plain, inputs, derivatives, met };
             raw.push(doc.expression(value, name, &mut self.pool, &mut scope)?);
         }
         // Expand by depth-first search; gray nodes on the path mean a circle.

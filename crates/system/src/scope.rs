@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bracketry_symbolic::{Expr, Names, Pool, Symbol};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::system::InputDerivative;
 
@@ -12,6 +12,8 @@ pub(crate) struct Scope<'a> {
     pub(crate) plain: &'a FxHashMap<String, Expr>,
     pub(crate) inputs: &'a [String],
     pub(crate) derivatives: &'a mut Derivatives,
+    /// What names stood for, of those that were met.
+    pub(crate) met: &'a mut FxHashSet<Expr>,
 }
 
 /// der(u, k) met so far: (input, order) → symbol.
@@ -34,7 +36,9 @@ impl Derivatives {
 
 impl Names for Scope<'_> {
     fn lookup(&mut self, _pool: &mut Pool, name: &str) -> Option<Expr> {
-        self.plain.get(name).copied()
+        let e = self.plain.get(name).copied()?;
+        self.met.insert(e);
+        Some(e)
     }
 
     fn derivative(&mut self, pool: &mut Pool, name: &str, order: u32) -> Option<Expr> {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use bracketry_files::{Document, FileError};
 use bracketry_symbolic::{CompileError, Expr, Pool, Rational, Symbol, Tape};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::quantities::Quantities;
 
@@ -160,6 +160,8 @@ pub struct System {
     pub eliminated: Vec<Eliminated>,
     /// Measured outputs.
     pub outputs: Vec<(String, Expr)>,
+    /// Functions that were written and cancel, as √x in (√x)²: where one of them has no value, the equations as written have none.
+    pub canceled: Vec<Expr>,
     /// Static levels of dry friction above the sliding one.
     pub static_levels: Vec<StaticLevel>,
     /// Where local statements are made.
@@ -169,6 +171,25 @@ pub struct System {
 }
 
 impl System {
+    /// Finds the functions that cancel, right after reading: they were made and are not part of what was read. `others` are further
+    /// equations, `met` what names stood for; a definition that no text names may have functions of its own.
+    pub(crate) fn find_canceled(&mut self, others: impl IntoIterator<Item = Expr>, met: &FxHashSet<Expr>) {
+        let mut roots = self.dynamics.clone();
+        roots.extend(self.outputs.iter().map(|o| o.1));
+        roots.extend(others);
+        // Definitions are read over each other's names, which are expanded later.
+        let mut names: FxHashSet<Symbol> = FxHashSet::default();
+        for (name, e) in &self.definitions {
+            let symbol = self.pool.symbol(name);
+            names.insert(symbol);
+            if !met.contains(e) && !met.contains(&self.pool.sym(symbol)) {
+                roots.push(*e);
+            }
+        }
+        self.canceled = self.pool.unused_partial_functions(&roots);
+        self.canceled.retain(|&e| self.pool.symbols_of(&[e]).iter().all(|s| !names.contains(s)));
+    }
+
     /// Name of a symbol.
     pub fn symbol_name(&self, s: Symbol) -> &str {
         self.pool.name(s)

@@ -11,6 +11,8 @@ const WEIGHED: f64 = 1e6;
 pub(crate) struct Equations {
     f: Tape,
     jacobian: Tape,
+    /// Functions that must have values, too.
+    canceled: Tape,
     scratch: Vec<f64>,
     /// Factors of the equations in the iterations.
     weights: Vec<f64>,
@@ -21,10 +23,11 @@ pub(crate) struct Equations {
 }
 
 impl Equations {
-    /// `equations` must hold no names but those of the free variables and parameters.
+    /// `equations` and `canceled`, functions that cancel in them, must hold no names but those of the free variables and parameters.
     pub(crate) fn new(
         system: &System,
         equations: &[Expr],
+        canceled: &[Expr],
         free: &[Symbol],
         limits: Vec<[f64; 2]>,
     ) -> Result<Self, CompileError> {
@@ -33,8 +36,9 @@ impl Equations {
         let with_derivatives = System { pool, ..system.clone() };
         let f = system.compile(free, equations)?;
         let jacobian = with_derivatives.compile(free, &jacobian)?;
+        let canceled = system.compile(free, canceled)?;
         let (rows, weights) = (equations.len(), vec![1.0; equations.len()]);
-        Ok(Equations { f, jacobian, scratch: Vec::new(), weights, rows, limits })
+        Ok(Equations { f, jacobian, canceled, scratch: Vec::new(), weights, rows, limits })
     }
 
     /// Weighs equations whose slopes at `z` differ by more than the iterations can tell from rounding.
@@ -64,6 +68,11 @@ impl Equations {
     pub(crate) fn value(&mut self, z: &DVector<f64>) -> DVector<f64> {
         let mut out = DVector::zeros(self.rows);
         self.f.eval(z.as_slice(), &mut self.scratch, out.as_mut_slice());
+        let mut canceled = vec![0.0; self.canceled.n_outputs()];
+        self.canceled.eval(z.as_slice(), &mut self.scratch, &mut canceled);
+        if canceled.iter().any(|v| v.is_nan()) {
+            out.fill(f64::NAN);
+        }
         out
     }
 

@@ -303,7 +303,8 @@ impl<'a> Search<'a> {
         let free: Vec<Symbol> = (0..all.len()).filter(|&k| roles[k] == TrimRole::Free).map(|k| all[k]).collect();
         let limits = free.iter().map(|u| limits(&s, *u)).collect();
         let failed = |reason| TrimError::NotCompiled { model: system.name.clone(), reason };
-        let equations = Equations::new(&s, &resting, &free, limits).map_err(failed)?;
+        let canceled = s.pool.substitute_all(&s.canceled, &known);
+        let equations = Equations::new(&s, &resting, &canceled, &free, limits).map_err(failed)?;
         let start = constants.iter().map(|&c| s.value(c).unwrap_or(0.0)).collect();
         Ok(Search { system, equations, exact: (s.pool, exact), free, roles, start, constants, all })
     }

@@ -1,6 +1,7 @@
 //! The tests of this crate: one program, a module for each topic.
 #![allow(clippy::unwrap_used)]
 
+mod canceled;
 mod cases;
 mod chained;
 mod common;

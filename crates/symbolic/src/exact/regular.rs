@@ -67,6 +67,27 @@ impl Pool {
         None
     }
 
+    /// Functions with values for some real arguments only (roots and other powers that are not whole, logarithms, inverse sines and
+    /// cosines) that were made in this pool and that `roots` do not use: after expressions were read, those that cancel in them.
+    ///
+    /// ```
+    /// use bracketry_symbolic::Pool;
+    /// let mut p = Pool::new();
+    /// let e = p.parse("sqrt(x)^2 + log(y)").unwrap();
+    /// assert_eq!(p.text(e), "x + log(y)");
+    /// let canceled = p.unused_partial_functions(&[e]);
+    /// assert_eq!(canceled.iter().map(|&f| p.text(f)).collect::<Vec<_>>(), ["sqrt(x)"]);
+    /// ```
+    pub fn unused_partial_functions(&self, roots: &[Expr]) -> Vec<Expr> {
+        let used = self.reachable(roots);
+        let partial = |e: &Expr| match self.node(*e) {
+            Node::Pow(_, k) => self.number(k).is_none_or(|k| !k.is_int()),
+            Node::Call(f, _) => matches!(f, Func::Log | Func::Asin | Func::Acos),
+            _ => false,
+        };
+        self.all().filter(partial).filter(|e| used.binary_search(e).is_err()).collect()
+    }
+
     fn sign_at(&mut self, e: Expr, at: &FxHashMap<Expr, Expr>) -> Option<Ordering> {
         let here = self.substitute(e, at);
         self.constant_sign(here, &Bindings::new())

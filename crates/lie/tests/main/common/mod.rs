@@ -80,6 +80,7 @@ pub(crate) fn system(
         period: None,
         algebraic: Vec::new(),
         eliminated: Vec::new(),
+        canceled: Vec::new(),
         dynamics,
         outputs,
         point,
