@@ -1,6 +1,7 @@
 //! Keeping only what is needed of a pool: by giving memory back, or in a pool of its own.
 
-use crate::pool::{Expr, Pool};
+use crate::node::Expr;
+use crate::pool::Pool;
 
 impl Pool {
     /// Frees the nodes made since the pool had `from` of them ([`Pool::len`]), but for those that `roots` reach,

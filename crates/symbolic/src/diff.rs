@@ -3,7 +3,8 @@
 use rustc_hash::FxHashMap;
 
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool, Symbol, ZERO};
+use crate::node::{Expr, Node, Symbol};
+use crate::pool::{Pool, ZERO};
 
 impl Pool {
     /// ∂e/∂s. The derivative of `sign` is 0 (its value off the switching surface).

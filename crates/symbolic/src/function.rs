@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 
-use crate::pool::{Expr, Pool};
+use crate::node::Expr;
+use crate::pool::Pool;
 
 /// An expression with the pool that it belongs to. Its text, also that in JSON, names an expression of more than 4000
 /// characters by its size.

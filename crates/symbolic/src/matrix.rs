@@ -4,7 +4,8 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::pool::{Expr, Pool};
+use crate::node::Expr;
+use crate::pool::Pool;
 
 impl Pool {
     /// The determinant of a square matrix, from the minors of its last rows (Laplace): at most n 2^n products.

@@ -3,7 +3,8 @@
 use dashu_ratio::RBig;
 
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, MINUS_ONE, Node, ONE, Pool, ZERO};
+use crate::node::{Expr, Node};
+use crate::pool::{MINUS_ONE, ONE, Pool, ZERO};
 
 /// Numeric powers are folded up to this exponent; beyond it they stay symbolic.
 const MAX_FOLDED_EXPONENT: i64 = 256;

@@ -7,7 +7,8 @@ use rustc_hash::FxHashMap;
 
 use crate::exact::Bindings;
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool, Symbol};
+use crate::node::{Expr, Node, Symbol};
+use crate::pool::Pool;
 
 /// Terms of a Taylor polynomial beyond which it is refused.
 const MAX_TERMS: usize = 20_000;

@@ -4,7 +4,8 @@ use dashu_ratio::RBig;
 use serde::{Deserialize, Serialize};
 
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Longest numerator or denominator that is read, in digits.
 const MAX_DIGITS: usize = 10_000;

@@ -9,7 +9,8 @@ use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 
 use crate::func::{Func, Func2, sign};
-use crate::pool::{Expr, Node, Pool, Symbol};
+use crate::node::{Expr, Node, Symbol};
+use crate::pool::Pool;
 
 /// What an [`Instruction`] computes from its operand registers.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

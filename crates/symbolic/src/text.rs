@@ -6,7 +6,8 @@ use dashu_base::Abs;
 use dashu_int::UBig;
 use dashu_ratio::RBig;
 
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use rustc_hash::FxHashMap;
 
 /// Binding strength, weakest first.

@@ -3,7 +3,8 @@
 use dashu_ratio::RBig;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::text::{Exponent, Strength, factors, fraction, number_text, sum_terms, terms};
 
 /// What [`Pool::text`] would write, were there no limit on it.

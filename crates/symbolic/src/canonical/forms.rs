@@ -3,7 +3,7 @@
 use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 
-use crate::pool::Expr;
+use crate::node::Expr;
 
 /// `Σ coefficient · product`; the product 1 stands for the constant.
 #[derive(Clone, Default)]

@@ -15,7 +15,8 @@ use dashu_ratio::RBig;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::text::terms;
 use forms::{Product, Sum};
 use product::scale;

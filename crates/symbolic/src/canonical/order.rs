@@ -5,7 +5,8 @@ use std::cmp::Ordering;
 use dashu_ratio::RBig;
 
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::text::{factors, terms};
 
 /// Rank of the kinds of expressions: what is read first in a product comes first.

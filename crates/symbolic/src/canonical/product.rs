@@ -9,7 +9,8 @@ use super::forms::{Product, Sum};
 use super::order::compare_factors;
 use super::sum::{has_sum, join, nodes};
 use crate::func::Func;
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::text::terms;
 
 /// Numbers are raised to powers up to this size; beyond it they stay symbolic.

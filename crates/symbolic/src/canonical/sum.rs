@@ -9,7 +9,8 @@ use dashu_ratio::RBig;
 use super::forms::{Product, Sum};
 use super::order::TermKey;
 use crate::func::Func;
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::text::factors;
 
 /// A common factor with more digits is left in the terms: through nested products it would double at every level.

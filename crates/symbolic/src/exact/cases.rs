@@ -6,7 +6,8 @@ use rustc_hash::FxHashMap;
 use super::constants::exact_value;
 use super::{Bindings, ZeroTest};
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::text::terms;
 
 /// More cases are not looked at.

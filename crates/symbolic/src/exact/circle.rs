@@ -5,7 +5,7 @@ use super::field::{Residue, THIRD_OFFSET, gcd};
 use super::kernels::{Angle, AngleKind};
 use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Point, Reg, Step, turned};
-use crate::pool::{Expr, Node};
+use crate::node::{Expr, Node};
 
 /// Larger multiples of a base angle are refused.
 pub(super) const MAX_MULTIPLE: u64 = 1 << 32;

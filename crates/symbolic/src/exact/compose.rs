@@ -7,7 +7,8 @@ use dashu_ratio::RBig;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Angles are taken up to this multiple.
 const MAX_MULTIPLE: i64 = 16;

@@ -6,7 +6,8 @@ use dashu_ratio::RBig;
 
 use super::interval::Interval;
 use super::{Bindings, ZeroTest};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Bits of the ends, one attempt after the other.
 const BITS: [usize; 5] = [64, 128, 256, 512, 1024];

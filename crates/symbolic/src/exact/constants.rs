@@ -10,7 +10,8 @@ use rustc_hash::FxHashMap;
 use super::Bindings;
 use super::field::gcd;
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Larger numerators and denominators are not followed.
 const MAX_BITS: usize = 4096;

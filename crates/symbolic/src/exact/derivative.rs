@@ -8,7 +8,7 @@ use super::lower::inverse_modulo;
 use super::lowering::Lowering;
 use super::program::{MAX_POWER, Reg, Step, turned};
 use crate::func::Func;
-use crate::pool::Node;
+use crate::node::Node;
 use crate::random::SplitMix64;
 
 /// How the value of a generator changes with the registers that it is a function of.

@@ -3,7 +3,8 @@
 use super::field::Residue;
 use super::lower::is_generator;
 use super::{Bindings, SEED, Samples, Undecided};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::table::ExprTable;
 
 /// One point modulo the prime 2^61 − `C`: what its values of transcendental constants and of free symbols are, stays.

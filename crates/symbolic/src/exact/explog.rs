@@ -15,7 +15,7 @@ use super::kernels::Power;
 use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use super::relation::Relation;
-use crate::pool::Expr;
+use crate::node::Expr;
 
 /// Trial points beyond the number of unknowns of a multiplicative relation.
 const SPARE: usize = 16;

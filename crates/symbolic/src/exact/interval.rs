@@ -10,7 +10,8 @@ use rustc_hash::FxHashMap;
 
 use super::Bindings;
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Larger powers, and values with longer exponents, are not looked at.
 const MAX_POWER: u64 = 1 << 20;

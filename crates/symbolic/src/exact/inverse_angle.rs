@@ -17,7 +17,7 @@ use super::lower::inverse_modulo;
 use super::lowering::{FRACTION_BOUND, Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node};
+use crate::node::{Expr, Node};
 
 impl<const C: u64> Lowering<'_, C> {
     /// Register of an inverse function: a generator, or a combination of such.

@@ -4,7 +4,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::program::Reg;
 use crate::func::Func;
-use crate::pool::{Expr, Symbol};
+use crate::node::{Expr, Symbol};
 
 /// A register of an angle, and what is known of its D-th part.
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use super::combinations::{Kernels, Known};
 use super::lowering::{FRACTION_BOUND, Lowering, Stop};
 use super::program::Reg;
-use crate::pool::Expr;
+use crate::node::Expr;
 
 /// Trial points beyond the number of unknowns of a linear relation.
 pub(super) const SPARE: usize = 6;

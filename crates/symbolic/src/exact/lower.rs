@@ -13,7 +13,8 @@ use super::lowering::{FRACTION_BOUND, Lowering, Requirements, Stop};
 use super::program::{Generator, MAX_POWER, Program, Reg, Step};
 use super::{Bindings, Undecided};
 use crate::func::Func;
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Trial points beyond the number of kernels.
 const SPARE_POINTS: usize = 24;

@@ -11,7 +11,8 @@ use super::combinations::LinearRelations;
 use super::field::Residue;
 use super::kernels::{Circle, ExpLog, Roots};
 use super::program::{Generator, Program, Reg, Step, draw};
-use crate::pool::{Expr, Pool};
+use crate::node::Expr;
+use crate::pool::Pool;
 use crate::random::SplitMix64;
 
 /// Fractions in linear relations have numerators and denominators up to this.

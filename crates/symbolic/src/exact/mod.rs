@@ -44,7 +44,8 @@ pub use self::regular::Irregular;
 use self::lower::{Lowered, lower};
 use self::lowering::Stop;
 use self::program::Fault;
-use crate::pool::{Expr, Pool, Symbol};
+use crate::node::{Expr, Symbol};
+use crate::pool::Pool;
 use crate::random::SplitMix64;
 use crate::stop_flag::Reached;
 

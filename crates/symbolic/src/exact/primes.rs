@@ -10,7 +10,8 @@ use super::echelon::Echelon;
 use super::field::{Residue, SECOND_OFFSET, THIRD_OFFSET};
 use super::lowering::Stop;
 use super::{Bindings, Certificate, POINTS, Rank, SEED, Undecided, ZeroTest, reason};
-use crate::pool::{Expr, Pool};
+use crate::node::Expr;
+use crate::pool::Pool;
 
 /// Number of primes that have to agree.
 const ENOUGH: usize = 2;

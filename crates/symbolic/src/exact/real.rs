@@ -11,7 +11,8 @@ use super::field::{Residue, SECOND_OFFSET};
 use super::field_element::{FieldElement, OrderedField};
 use super::interval::Interval;
 use super::{Bindings, SEED, Samples};
-use crate::pool::{Expr, Pool};
+use crate::node::Expr;
+use crate::pool::Pool;
 
 /// Bits of the ends of intervals, and those of a constant that so many do not tell from zero.
 const BITS: usize = 256;

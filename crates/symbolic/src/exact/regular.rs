@@ -7,7 +7,8 @@ use rustc_hash::FxHashMap;
 
 use super::{Bindings, ZeroTest};
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// What an expression lacks at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

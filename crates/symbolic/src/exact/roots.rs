@@ -9,7 +9,7 @@ use super::kernels::Radicand;
 use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use super::relation::Relation;
-use crate::pool::Expr;
+use crate::node::Expr;
 
 /// Trial points beyond the number of radicands: an accidental relation has probability 2^−64.
 const SPARE: usize = 64;

@@ -9,7 +9,8 @@ use rustc_hash::FxHashMap;
 
 use super::field::gcd;
 use crate::func::Func;
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Longest sum.
 const MAX_TERMS: usize = 32;

@@ -7,7 +7,8 @@ use dashu_ratio::RBig;
 
 use super::{Form, MAX_TERMS, accumulate, normal_form};
 use crate::func::Func;
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Integers under logarithms are factored by trial division up to this.
 const TRIAL: u64 = 1000;

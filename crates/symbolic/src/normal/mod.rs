@@ -12,7 +12,8 @@ use rustc_hash::FxHashMap;
 use self::exponential::Exponential;
 use self::trigonometric::Trigonometric;
 use crate::func::Func;
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::text::{factors, terms};
 
 /// Sums with more terms stay as they are.

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 
-use crate::pool::{Expr, Node, Pool, Symbol};
+use crate::node::{Expr, Node, Symbol};
+use crate::pool::Pool;
 use crate::text::terms;
 
 impl Pool {

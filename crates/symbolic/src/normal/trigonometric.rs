@@ -7,7 +7,8 @@ use rustc_hash::FxHashMap;
 
 use super::{Form, MAX_TERMS, accumulate, normal_form};
 use crate::func::Func;
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 
 /// Larger powers of sines and cosines stay as they are.
 const MAX_POWER: i64 = 24;

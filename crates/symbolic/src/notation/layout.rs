@@ -4,7 +4,8 @@ use dashu_ratio::RBig;
 
 use super::tree::{Fence, Joint, Notation};
 use crate::func::Func;
-use crate::pool::{Expr, Node, Pool};
+use crate::node::{Expr, Node};
+use crate::pool::Pool;
 use crate::text::{Exponent, Strength, fraction, number_text, sum_terms};
 
 fn function(f: Func) -> &'static str {

@@ -10,7 +10,8 @@ use std::fmt::Write;
 pub use self::language::Language;
 pub use self::names::SourceNames;
 pub use self::statements::Statements;
-use crate::pool::{Expr, Pool, Symbol};
+use crate::node::{Expr, Symbol};
+use crate::pool::Pool;
 use crate::tape::{CompileError, Tape};
 
 impl Pool {
