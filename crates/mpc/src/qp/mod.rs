@@ -10,6 +10,7 @@ mod automatic;
 mod backend;
 mod clarabel;
 mod condensing;
+mod elimination;
 mod exact_hessian;
 mod filling;
 mod nonlinear;
