@@ -2,76 +2,21 @@
 
 use super::flow::StickSlipFlow;
 use super::roll_out::ExactProblem;
+use super::settings::StickSlipSettings;
 use super::switched_field::SwitchedField;
 use crate::controller::{
-    Controller, FailurePolicy, Failures, FallbackReason, InputSource, SolverEffort, Step, StepLimits, StepStatus,
-    Timings, rest_input,
+    Controller, Failures, FallbackReason, InputSource, SolverEffort, Step, StepLimits, StepStatus, Timings, rest_input,
 };
 use crate::dynamics::{Dynamics, SymbolicDynamics};
-use crate::error::{MpcError, check_flag, check_length, check_value};
+use crate::error::{MpcError, check_flag, check_length};
 use crate::ocp::Ocp;
-use crate::qp::{Qp, QpSettings, QpStatus};
+use crate::qp::{Qp, QpStatus};
 use crate::sqp::{Sqp, SqpSettings};
 use crate::trajectory::PlannedTrajectory;
 use crate::transcription::{Shooter, ShootingLinearization, Transcription};
 use bracketry_sim::ModeChange;
-use bracketry_symbolic::StopFlag;
 use bracketry_system::System;
 use std::time::Instant;
-
-/// Settings of [`StickSlipController`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct StickSlipSettings {
-    /// Largest number of quadratic programs per sample along the plan; 1 is the real-time iteration. From sample to sample the
-    /// plan changes little, so that two or three mostly do.
-    pub iterations: usize,
-    /// Largest number of quadratic programs that refine the first plan.
-    pub initial_iterations: usize,
-    /// The iteration stops when a step lowers the cost by less than this fraction of it.
-    pub tolerance: f64,
-    /// Widths of the smoothed problems whose solutions the first plan is chosen from, from wide to narrow; the first of them
-    /// also shows in which directions what sticks wants to move. None: plans start from the guess alone and never break
-    /// loose by themselves.
-    pub smoothing: Vec<f64>,
-    /// Width by which unit vectors σ/|σ| are rounded, in the unit of σ.
-    pub rounding: f64,
-    /// Names of the model's parameters that the problem gives over the horizon, or an estimator hands over.
-    pub live_parameters: Vec<String>,
-    /// What is applied when a sample has no solution.
-    pub failure: FailurePolicy,
-    /// Input of rest; zero, or the bound closest to it, when empty.
-    pub rest_input: Vec<f64>,
-    /// Settings of the quadratic programs.
-    pub qp: QpSettings,
-    /// Once it is raised, planning ends with [`MpcError::Stopped`].
-    pub stop: StopFlag,
-}
-
-impl Default for StickSlipSettings {
-    fn default() -> Self {
-        Self {
-            iterations: 20,
-            initial_iterations: 50,
-            tolerance: 1e-6,
-            smoothing: vec![0.1, 0.01],
-            rounding: 1e-3,
-            live_parameters: Vec::new(),
-            failure: FailurePolicy::default(),
-            rest_input: Vec::new(),
-            qp: QpSettings::default(),
-            stop: StopFlag::default(),
-        }
-    }
-}
-
-impl StickSlipSettings {
-    fn check(&self) -> Result<(), MpcError> {
-        for &w in self.smoothing.iter().chain([&self.rounding]) {
-            check_value(w > 0.0 && w.is_finite(), "a smoothing width", w, "give a positive number")?;
-        }
-        Ok(())
-    }
-}
 
 /// A controller for systems with dry friction that plans on the exact stick–slip flow.
 ///
