@@ -11,6 +11,7 @@ mod motion_estimator;
 mod move_planner;
 mod move_problem;
 mod oscillation;
+mod planned_commands;
 mod planner;
 mod pose_controller;
 mod pose_filter;

@@ -6,6 +6,7 @@ use super::learned::{Learned, validate};
 use super::leveling::leveling;
 use super::motion_estimator::MotionEstimator;
 use super::move_problem::MoveProblem;
+use super::planned_commands::{GENTLE, command_of, is_over, rest_of};
 use super::planner::{Plan, Planner, cost};
 use super::replay::Replay;
 use super::servo_lag::ServoLag;
@@ -43,11 +44,6 @@ const WATCHED: usize = 10;
 const STILL: f64 = 1e-7;
 /// Share of a rate that is left after a move which is taken off within a period: less than all of it, since a servo follows late.
 const BRAKING: f64 = 0.5;
-/// Accelerations that do not move an object, m/s² and rad/s².
-const GENTLE: f64 = 0.05;
-
-/// Rates of a plate that is about to rest, m/s and rad/s.
-const SLOW: f64 = 0.02;
 
 enum Phase {
     /// Nothing has been measured yet.
@@ -442,31 +438,6 @@ impl PoseController {
 /// The problem of moves with an object.
 fn move_problem(object: &Object, settings: &PoseSettings) -> Result<MoveProblem, PlateError> {
     MoveProblem::new(object, &settings.limits, settings.period * INTERVAL as f64, MARGIN)
-}
-
-/// The command of a trajectory's first interval.
-fn command_of(trajectory: &PlannedTrajectory) -> Command {
-    let u = trajectory.u(0);
-    Command { displacement_acceleration: u[0], tilt_acceleration: u[1] }
-}
-
-/// Whether all that is left of a trajectory is rest: intervals by which it was made longer and that no program has used.
-fn is_over(trajectory: &PlannedTrajectory) -> bool {
-    let gentle = |u: &[f64]| u.iter().all(|a| a.abs() < GENTLE);
-    let x = trajectory.x(0);
-    x[7].abs() < SLOW && x[9].abs() < SLOW && (0..trajectory.steps()).all(|k| gentle(trajectory.u(k)))
-}
-
-/// A trajectory without its first interval, and with intervals of rest at its end.
-fn rest_of(trajectory: &PlannedTrajectory, more: usize) -> Result<PlannedTrajectory, PlateError> {
-    let steps = trajectory.steps();
-    let mut x: Vec<Vec<f64>> = (1..=steps).map(|k| trajectory.x(k).to_vec()).collect();
-    let mut u: Vec<Vec<f64>> = (1..steps).map(|k| trajectory.u(k).to_vec()).collect();
-    for _ in 0..more {
-        x.push(trajectory.x(steps).to_vec());
-        u.push(vec![0.0; 2]);
-    }
-    Ok(PlannedTrajectory::from_rows(&x, &u)?)
 }
 
 impl PlateController for PoseController {
