@@ -17,7 +17,8 @@ cp "$built/$program" "dist/$folder/"
 cp crates/README.md "dist/$folder/README.md"
 cp -r LICENSE-MIT LICENSE-APACHE CITATION.cff models crates/plot/assets/LICENSE-DejaVu.txt "dist/$folder/"
 # The models name documents.
-mkdir "dist/$folder/docs" && cp docs/*.md "dist/$folder/docs/"
+mkdir "dist/$folder/docs" && cp -r docs/*.md docs/figures docs/getting_started docs/records "dist/$folder/docs/"
+cp CHANGELOG.md CODE_OF_CONDUCT.md CONTRIBUTING.md SECURITY.md "dist/$folder/"
 packaging/licenses.py bracketry-cli "dist/$folder/THIRDPARTY.txt"
 for shell in bash zsh fish; do
     "$built/$program" completions "$shell" >"dist/$folder/completions/bracketry.$shell"

@@ -48,7 +48,7 @@ pub(crate) unsafe fn texts<'a>(
 /// Refuses a list that cannot be one.
 pub(crate) fn check<T>(pointer: *const T, length: usize, what: &str) -> Result<(), Failure> {
     if length > isize::MAX as usize / size_of::<T>() {
-        return Err(Failure::new(BracketryCode::Length, format!("{what}: {length} is no length of an array")));
+        return Err(Failure::new(BracketryCode::Length, format!("{what}: {length} is not a valid array length")));
     }
     if length > 0 && (pointer.is_null() || !pointer.is_aligned()) {
         return Err(Failure::new(BracketryCode::Null, format!("{what} is a null pointer, or not aligned")));

@@ -50,7 +50,7 @@ impl fmt::Display for ExportNote {
                 terms.join(", ")
             ),
             ExportNote::Kinks => {
-                f.write_str("at the kink of abs, min, or max, the Jacobians hold the mean of the slopes on both sides")
+                f.write_str("at the kink of abs, min, or max, the Jacobians contain the mean of the slopes on both sides")
             }
             ExportNote::InputDelay { input, delay, seconds } => {
                 let value = match seconds {

@@ -329,7 +329,7 @@ fn syntax_remedy(message: &str) -> &'static str {
     } else if says("invalid mantissa") {
         "write digits before and after the point: 0.01"
     } else if says("unclosed table") || says("invalid unquoted key") {
-        "names of keys and tables hold letters, digits, _ and -: [dynamics]"
+        "names of keys and tables consist of letters, digits, _, and -: [dynamics]"
     } else if says("inline table") {
         "write a table on one line as { min = 0, max = 1 }, or as [name] with its entries on lines below"
     } else {

@@ -13,7 +13,7 @@ pub enum Undecided {
         nodes: usize,
     },
     /// The system has very many states.
-    #[error("not decided for more than {states} states, but for the dimensions of linear systems")]
+    #[error("not decided for more than {states} states, except for the dimensions of linear systems")]
     TooManyStates {
         /// States up to which all questions are asked.
         states: usize,

@@ -46,7 +46,7 @@ impl System {
             return Ok(());
         }
         if self.parameter_names().iter().any(|p| p == name) {
-            let message = format!("the unit of the parameter `{name}` has another place");
+            let message = format!("the unit of the parameter `{name}` belongs in [parameters]");
             let remedy = format!("write {name} = {{ value = 1.0, unit = \"…\", about = \"…\" }} in [parameters]");
             return Err(ModelError::new(message, remedy));
         }
@@ -73,7 +73,7 @@ pub(crate) fn read_quantities(doc: &Document, table: &Table<'_>, system: &mut Sy
         for (name, value) in doc.sub_table(table, key)?.into_iter().flatten() {
             system.check_quantity(name.get_ref()).map_err(|e| e.at(doc, name.span()))?;
             let Value::String(text) = value.get_ref() else {
-                let message = format!("the entry of `{}` in [{key}] is not a text", name.get_ref());
+                let message = format!("the entry of `{}` in [{key}] is not text", name.get_ref());
                 return Err(doc.error(value.span(), message, format!("write {} = \"…\" in quotes", name.get_ref())));
             };
             set(&mut system.quantities, name.get_ref(), text.to_string());

@@ -40,6 +40,7 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
 
 /// Arguments of `experiment`.
 #[derive(Args)]
+#[command(group(clap::ArgGroup::new("aim").required(true).args(["tell", "parameters"])))]
 pub(crate) struct ExperimentArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
@@ -49,7 +50,6 @@ pub(crate) struct ExperimentArgs {
         long,
         value_name = "A,B",
         value_delimiter = ',',
-        required_unless_present = "parameters",
         conflicts_with = "parameters"
     )]
     tell: Vec<String>,
@@ -74,7 +74,7 @@ pub(crate) struct ExperimentArgs {
     /// Parameters that are known, so that no refit changes them
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "tell")]
     fix: Vec<String>,
-    /// Random inputs from which the optimization starts, beside simple ones
+    /// Random inputs from which the optimization starts, in addition to simple ones
     #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(..=1000))]
     starts: u16,
     #[command(flatten)]

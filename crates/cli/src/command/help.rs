@@ -71,5 +71,5 @@ pub(crate) const WRITTEN: (&str, &str) =
 /// What numbers are measured in.
 pub(crate) const UNITS: (&str, &str) = (
     "Units",
-    "All quantities are in the units of the model file. Time is in seconds, unless the model file states another time_unit, such as \"h\". Limits of computing time are in seconds always.",
+    "All quantities are in the units of the model file. Time is in seconds, unless the model file states another time_unit, such as \"h\". Limits of computing time are always in seconds.",
 );

@@ -200,7 +200,7 @@ impl Warning {
             Warning::Lost { name, count, samples } => format!("`{name}`: {count} of {samples} values were lost"),
             Warning::Sentinel { name, value, count } => {
                 let value = if value.abs() < 1e10 { value.to_string() } else { readable(*value) };
-                format!("`{name}` is {value} {}, far from all other values", times(*count))
+                format!("`{name}` has the value {value} {}, far from all other values", times(*count))
             }
             Warning::Outliers { name, count, samples, at, .. } => {
                 let at: Vec<String> = at.iter().map(|t| readable(*t)).collect();
@@ -287,7 +287,7 @@ impl Warning {
                 "they are left out as lost values are; check the sensor and its cable"
             }
             Warning::Outliers { .. } => {
-                "they are kept, because they are too many to be outliers; leave these entries empty if they are no measurements"
+                "they are kept, because they are too many to be outliers; leave these entries empty if they are not measurements"
             }
             Warning::RoundedTimes { .. } => {
                 "they are spread evenly until the next time; record the times with more digits"

@@ -45,7 +45,7 @@ impl fmt::Display for Note {
                 if error.is_finite() {
                     format!("would be off by {} of the states' sizes", readable(*error))
                 } else {
-                    "would end in no number".to_owned()
+                    "would not give a finite number".to_owned()
                 }
             ),
             Note::Eliminated(what) => write!(f, "{what}"),

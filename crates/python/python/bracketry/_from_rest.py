@@ -79,7 +79,7 @@ def from_rest(
     system
         The model.
     bounds
-        Bounds of inputs, of their derivatives, and of coordinates, beside the ranges of the model.
+        Bounds of inputs, of their derivatives, and of coordinates, in addition to the ranges of the model.
     at
         The rest state; the model's point if it is not given.
     time_limit

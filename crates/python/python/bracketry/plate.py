@@ -157,7 +157,7 @@ def run(
     Parameters
     ----------
     experiment
-        1 (orientation), 2 (along x), 3 (along y), or a scenario file. What is given beside a file replaces what is in it.
+        1 (orientation), 2 (along x), 3 (along y), or a scenario file. Other arguments replace the values in the file.
     model
         "published" equations, "point" contact, "reduced" to an ordinary differential equation with yaw friction, "area" contact
         (the default), or "body" with six degrees of freedom.
@@ -174,7 +174,7 @@ def run(
     mu
         Friction coefficient of sliding (0.3).
     friction
-        "coulomb", "static:MU_S", "stribeck:MU_S,V", "anisotropic:MU_Y" or "viscous:C", beside ``mu``.
+        "coulomb", "static:MU_S", "stribeck:MU_S,V", "anisotropic:MU_Y" or "viscous:C", in addition to ``mu``.
     start
         x, y (m) and yaw (rad, 0 if left out) at which the object begins at rest; that of log or experiment if left out.
     seconds

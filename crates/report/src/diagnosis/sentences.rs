@@ -57,7 +57,7 @@ fn outcome(outcome: &Outcome) -> String {
         Outcome::Correlated { size, parameter_off: false } => format!(
             "the residual is correlated ({size:.2} times the noise), but no effect explains it in all parts of the data"
         ),
-        Outcome::Explained => "with the named causes, the residual is at noise level".to_owned(),
+        Outcome::Explained => "with the causes found, the residual is at noise level".to_owned(),
         Outcome::PartlyExplained { share, size } => format!(
             "what was found explains {} of the excess of the refitted model (its squared residual above the noise); \
              the remaining residual, {size:.2} times the noise, is {}",
@@ -214,7 +214,7 @@ pub(super) fn note(note: &Note) -> String {
             )
         }
         Note::MostCauses { causes, allowed } => format!(
-            "the search stopped at the limit of {causes} causes; there may be more: `bracketry diagnose --max-causes {}` continues the search",
+            "the search stopped at the limit of {causes} causes; there may be more: repeat `bracketry diagnose` with `--max-causes {}`",
             2 * allowed
         ),
         Note::NoPlaces => format!("the residual cannot be localized by regime: {NO_FORCE}"),
@@ -295,8 +295,8 @@ fn rescaled(column: &ScaledColumn, by: Rescaling) -> String {
         Rescaling::Sign => return format!("the other sign of {name}"),
         Rescaling::PowerOfTen(-3) => "thousandths, such as mm or mN".to_owned(),
         Rescaling::PowerOfTen(3) => "thousands, such as km or kN".to_owned(),
-        Rescaling::PowerOfTen(-2) => "hundredths, such as cm or per cent".to_owned(),
-        Rescaling::PowerOfTen(2) => "the model is in hundredths, such as cm or per cent".to_owned(),
+        Rescaling::PowerOfTen(-2) => "hundredths, such as cm or percent".to_owned(),
+        Rescaling::PowerOfTen(2) => "the model is in hundredths, such as cm or percent".to_owned(),
         Rescaling::Unit(OtherUnit::Minutes) => "minutes, or the model is per minute".to_owned(),
         Rescaling::UnitOfModel(OtherUnit::Minutes) => "it is per minute, or the model is in minutes".to_owned(),
         Rescaling::PowerOfTen(n) => format!("10^{n} of the unit"),

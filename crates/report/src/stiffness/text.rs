@@ -65,11 +65,11 @@ pub fn withheld(why: &Withheld) -> String {
              compliant too"
         ),
         Withheld::LostMotion { share } => format!(
-            "lost motion in joints explains {:.0} % of their residual: include it in the fit, as described below",
+            "lost motion in joints explains {:.0} % of the residual of the joint springs: include it in the fit, as described below",
             100.0 * share
         ),
         Withheld::Misfit { residual } => format!(
-            "their residual is {residual:.1} σ: give a joint `gap` and `engaged`, or `cubic`, as start values, or \
+            "the residual of the joint springs is {residual:.1} σ: give a joint `gap` and `engaged`, or `cubic`, as start values, or \
              raise [noise] if the measurements are that noisy"
         ),
     }
