@@ -49,9 +49,9 @@ impl fmt::Display for ExportNote {
                  events chatters there; `bracketry simulate` keeps the friction exact",
                 terms.join(", ")
             ),
-            ExportNote::Kinks => {
-                f.write_str("at the kink of abs, min, or max, the Jacobians contain the mean of the slopes on both sides")
-            }
+            ExportNote::Kinks => f.write_str(
+                "at the kink of abs, min, or max, the Jacobians contain the mean of the slopes on both sides",
+            ),
             ExportNote::InputDelay { input, delay, seconds } => {
                 let value = match seconds {
                     Some(s) if readable(*s) != *delay => format!("{delay} = {} s", readable(*s)),

@@ -56,6 +56,15 @@ impl ExactPlant {
         Ok(Self { stepper: Stepper::new(model, t, x0, settings)? })
     }
 
+    /// Sets the values at which the inputs were held before the start (one value per input, in order; 0 unless they are set), which
+    /// act until the delays of the model have passed.
+    ///
+    /// # Errors
+    /// [`PlantError`] for a wrong number of inputs.
+    pub fn set_past_inputs(&mut self, u: &[f64]) -> Result<(), PlantError> {
+        Ok(self.stepper.system_mut().set_past_inputs(u)?)
+    }
+
     /// Holds the inputs at `u` (one value per input, in order) for `dt` seconds.
     ///
     /// # Errors

@@ -46,12 +46,7 @@ pub(crate) struct ExperimentArgs {
     #[arg(value_hint = clap::ValueHint::FilePath)]
     model: PathBuf,
     /// Two explanations to tell apart: model files, or values of a parameter of MODEL; one alone is told from MODEL
-    #[arg(
-        long,
-        value_name = "A,B",
-        value_delimiter = ',',
-        conflicts_with = "parameters"
-    )]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', conflicts_with = "parameters")]
     tell: Vec<String>,
     /// Parameters of MODEL to identify
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]

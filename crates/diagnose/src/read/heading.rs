@@ -102,7 +102,8 @@ pub(super) fn in_the_model(
         let name = heading.name.clone();
         match chosen.get(&name).map(|(other, known, _)| (other.clone(), known.exact)) {
             Some((other, is_exact)) if is_exact == heading.exact => {
-                let message = format!("`{other}` and `{column}` are both called `{name}`: two columns with the same name");
+                let message =
+                    format!("`{other}` and `{column}` are both called `{name}`: two columns with the same name");
                 return Err(origin.whole(message, format!("give one of them another name: --rename {name}=other")));
             }
             Some((_, true)) => left.push(column),

@@ -59,6 +59,7 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
         return control_smooth(problem, progress);
     }
     let mut plant = ExactPlant::new(&problem.plant, &problem.x0, &SimulationSettings::default())?;
+    plant.set_past_inputs(&problem.first_input())?;
     plant.start_recording();
     let run = problem.run_disturbed(&mut plant, |k, _| progress(k))?;
     let switches = plant.model().switch_names().map(str::to_owned).collect();

@@ -72,3 +72,23 @@ proptest! {
         assert_of_the_loop(&run(plant, 4.0, &faults));
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// x' = u − x at the equilibrium x = u0: until a delay has passed, the plant still has the input from before the start.
+    #[test]
+    fn late_inputs_have_been_what_they_were_before_the_start(u0 in -1.0..1.0f64, delay in 0.01..0.35f64) {
+        let model = format!("states = ['x']\ninputs = ['u']\ndynamics = {{ x = 'u - x' }}\ndelays = {{ u = {delay} }}");
+        let problem = format!(
+            "model = 'm'\nhorizon = {{ steps = 10, dt = 0.1 }}\n\
+             cost = {{ stage = '(x - {u0})^2 + (u - {u0})^2', terminal = '(x - {u0})^2' }}\n\
+             constraints = {{ u = {{ min = -2, max = 2 }} }}\n[run]\nsteps = 20\nx0 = {{ x = {u0} }}\nu0 = {{ u = {u0} }}\n"
+        );
+        let read = |file: &str| System::parse(file, &model).map_err(Box::new);
+        let run = control(&ControlProblem::parse("p.toml", &problem, read).unwrap()).unwrap().run;
+        for x in &run.closed_loop.x {
+            prop_assert!((x[0] - u0).abs() < 1e-6, "{x:?} for {u0}");
+        }
+    }
+}

@@ -145,6 +145,15 @@ impl Model {
         self.driving.set_inputs(u)
     }
 
+    /// Sets the values at which inputs with a delay were held before the start, 0 unless they are set: one value per input. To be
+    /// called before the simulation starts.
+    ///
+    /// # Errors
+    /// [`InputError::WrongLength`].
+    pub fn set_past_inputs(&mut self, u: &[f64]) -> Result<(), InputError> {
+        self.driving.set_past_inputs(u)
+    }
+
     /// Sets one held input, as [`Model::set_inputs`]; false if there is none of that name.
     pub fn set_input(&mut self, name: &str, value: f64) -> bool {
         let input = self.input_names.iter().position(|n| n == name);

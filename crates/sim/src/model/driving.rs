@@ -71,7 +71,7 @@ impl Driving {
 
     /// Adds a slot with a held value; with a delay, a table of what was set.
     pub(super) fn add_held(&mut self, delay: f64) -> usize {
-        if delay == 0.0 { self.add(Source::Held(0.0)) } else { self.add_samples(("", 0), Samples::silence(), delay) }
+        if delay == 0.0 { self.add(Source::Held(0.0)) } else { self.add_samples(("", 0), Samples::ever(0.0), delay) }
     }
 
     /// The next input is held in a slot, or is not held.
@@ -105,6 +105,21 @@ impl Driving {
         }
         for (input, value) in u.iter().enumerate() {
             self.set_input(input, *value);
+        }
+        Ok(())
+    }
+
+    /// Sets what inputs that act later were held at before the start: one value per input.
+    pub(super) fn set_past_inputs(&mut self, u: &[f64]) -> Result<(), InputError> {
+        if u.len() != self.held.len() {
+            return Err(InputError::WrongLength { expected: self.held.len(), found: u.len() });
+        }
+        for (slot, value) in self.held.iter().zip(u) {
+            if let Some(Source::Value(table)) = slot.map(|slot| &self.sources[slot]) {
+                let table = &mut self.tables[*table];
+                table.samples = Samples::ever(*value);
+                table.line = table.samples.line(table.interval);
+            }
         }
         Ok(())
     }

@@ -88,9 +88,9 @@ impl Samples {
         self
     }
 
-    /// A signal that has been zero for ever, to be continued.
-    pub(crate) fn silence() -> Self {
-        Self { times: vec![f64::NEG_INFINITY], values: vec![0.0], hold: Hold::Previous }
+    /// A signal that has had a value for ever, to be continued.
+    pub(crate) fn ever(value: f64) -> Self {
+        Self { times: vec![f64::NEG_INFINITY], values: vec![value], hold: Hold::Previous }
     }
 
     /// Goes on with another value from `t` on; what was to come after that is dropped, as is what has ended before `now`.

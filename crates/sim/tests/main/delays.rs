@@ -90,3 +90,22 @@ fn a_delay_that_is_no_time_is_refused() {
     let error = Model::new(&system, &Inputs::new()).unwrap_err();
     assert_eq!(error, InputError::Delay { input: "F".into() });
 }
+
+/// x' = u with u held at p before the start and at u after it: x(t) = p t until the delay has passed.
+#[test]
+fn what_was_held_before_the_start_acts_until_the_delay_has_passed() {
+    let text = "states = ['x']\ninputs = ['u']\ndynamics = { x = 'u' }\ndelays = { u = 0.25 }";
+    let system = System::parse("m", text).unwrap();
+    for (past, held) in [(0.0, 1.0), (-2.0, 1.5), (3.0, -0.5)] {
+        let mut plant = ExactPlant::new(&system, &[0.0], &SimulationSettings::default()).unwrap();
+        plant.set_past_inputs(&[past]).unwrap();
+        for k in 1..=10 {
+            assert!(plant.hold(&[held], 0.1).unwrap().is_finished());
+            let t = 0.1 * f64::from(k);
+            let expected = past * t.min(0.25) + held * (t - 0.25).max(0.0);
+            assert!((plant.state()[0] - expected).abs() < 1e-12, "{t}: {} for {expected}", plant.state()[0]);
+        }
+    }
+    let mut plant = ExactPlant::new(&system, &[0.0], &SimulationSettings::default()).unwrap();
+    assert!(plant.set_past_inputs(&[]).is_err());
+}

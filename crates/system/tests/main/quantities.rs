@@ -97,7 +97,11 @@ fn what_cannot_have_a_unit_is_refused_with_the_remedy() {
     for (more, message, remedy) in [
         ("[units]\nw = 'm/s'\n", "`w` is not a state, input, or output", "the model has x, v, F, measured"),
         ("[units]\nmeasure = 'm/s'\n", "`measure` is not a state, input, or output", "did you mean `measured`?"),
-        ("[units]\nm = 'kg'\n", "the unit of the parameter `m` belongs in [parameters]", "write m = { value = 1.0, unit ="),
+        (
+            "[units]\nm = 'kg'\n",
+            "the unit of the parameter `m` belongs in [parameters]",
+            "write m = { value = 1.0, unit =",
+        ),
         ("[units]\nx = 1\n", "the entry of `x` in [units] is not text", "write x = \"…\" in quotes"),
         ("[labels]\nx = ['a']\n", "the entry of `x` in [labels] is not text", "write x = \"…\" in quotes"),
     ] {
