@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use bracketry_sim::Statistics;
+use bracketry_symbolic::StopFlag;
 use serde::Serialize;
 
 /// What a diagnosis has cost, in counts that depend neither on the machine nor on how threads share the work.
@@ -29,6 +30,7 @@ pub struct Effort {
 pub(crate) struct Counter {
     counts: Arc<Counts>,
     deadline: Option<Instant>,
+    end: StopFlag,
 }
 
 #[derive(Debug, Default)]
@@ -51,14 +53,14 @@ fn add(count: &AtomicU64, more: usize) {
 }
 
 impl Counter {
-    /// With a time at which the search for causes ends.
-    pub(crate) fn until(deadline: Option<Instant>) -> Self {
-        Self { deadline, ..Self::default() }
+    /// With a time at which the search for causes ends, and a flag that ends it.
+    pub(crate) fn until(deadline: Option<Instant>, end: StopFlag) -> Self {
+        Self { deadline, end, ..Self::default() }
     }
 
-    /// Whether the time of the search is over.
+    /// Whether the time of the search is over, or its flag is raised.
     pub(crate) fn is_over(&self) -> bool {
-        self.deadline.is_some_and(|end| Instant::now() >= end)
+        self.end.is_raised() || self.deadline.is_some_and(|end| Instant::now() >= end)
     }
 
     /// Whether a fit is to end early: those that measure the gain of what was found are not.

@@ -17,6 +17,7 @@ use bracketry::system::System;
 use clap::Args;
 
 use super::file_kind::{FileKind, Given};
+use super::interrupt::ended_by_user;
 use super::limits::seconds;
 use super::output::{figure, folder, json, line, print, write};
 use super::progress::spinner;
@@ -119,6 +120,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
         study: StudySettings { window: args.window, fixed: args.fix.clone(), ..StudySettings::default() },
         max_causes: args.max_causes,
         time_limit: Some(args.time_limit),
+        end_search: ended_by_user("the search for causes ends")?,
         seed: args.seed,
         candidates: match &args.reference {
             Some(path) => reference_candidates(&system, &System::read(path)?)
@@ -232,7 +234,7 @@ fn limits(system: &System, records: &[Record]) -> Option<String> {
 }
 
 fn outcome(report: &Report) -> Outcome {
-    let is_cut = report.notes.iter().any(|note| matches!(note, Note::TimeLimit { .. }));
+    let is_cut = report.notes.iter().any(|note| matches!(note, Note::TimeLimit { .. } | Note::Interrupted { .. }));
     if report.verdict.is_conclusive() && !is_cut { Outcome::Done } else { Outcome::Negative }
 }
 

@@ -17,6 +17,7 @@ mod export;
 mod file_kind;
 mod from_rest;
 mod help;
+mod interrupt;
 mod limits;
 mod live;
 mod new;

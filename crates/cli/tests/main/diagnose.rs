@@ -98,3 +98,32 @@ fn settings_that_the_data_cannot_follow_are_refused_by_their_option() {
         assert!(code(&o) == 2 && said.contains(part), "{arguments:?}: {said}");
     }
 }
+
+/// Ctrl-C while causes are sought: the report so far, with exit code 1.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_search_is_reported() {
+    use std::process::{Command, Stdio};
+    let dir = scratch("diagnose_interrupted");
+    let effects = [SliderEffect::Tilt, SliderEffect::InputDelay];
+    let long = Slider { duration: 20.0, rate: 500.0, ..slider() };
+    let log = long.run(&effects, 11).unwrap();
+    let (model, data) = (file(&dir, "given.toml", &log.model), file(&dir, "run.csv", &log.csv()));
+    // A signal that comes before the command listens ends it; one that comes after the search is too late.
+    for wait in [300, 600, 1200, 2400, 4800] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bracketry"));
+        let child = command.args(["diagnose", &model, &data]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+        let child = child.unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(wait));
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        let ended = child.wait_with_output().unwrap();
+        if ended.status.code().is_some() {
+            let (report, errors) = (String::from_utf8_lossy(&ended.stdout), String::from_utf8_lossy(&ended.stderr));
+            assert_eq!(ended.status.code(), Some(1), "{report}{errors}");
+            assert!(report.contains("interrupted: at least"), "{report}");
+            assert!(errors.contains("Ctrl-C again quits at once"), "{errors}");
+            return;
+        }
+    }
+    panic!("no signal met the search");
+}

@@ -85,6 +85,11 @@ pub enum Note {
         /// Fits that were not made, or not to their end, at least.
         left_out: u64,
     },
+    /// The search for causes was asked to end.
+    Interrupted {
+        /// Fits that were not made, or not to their end, at least.
+        left_out: u64,
+    },
     /// Measured columns that are not significant above their noise.
     StillColumns(Vec<String>),
     /// Inputs that continue otherwise between samples explain the data without any cause.

@@ -34,6 +34,8 @@ pub use verdict::{
 
 use std::time::Duration;
 
+use bracketry_symbolic::StopFlag;
+
 use crate::effect::Effect;
 
 settings! {
@@ -57,6 +59,9 @@ settings! {
         seed: u64 = 1,
         /// Time after which the search for causes ends and what was found is reported, with what was left out; `None` for no limit.
         time_limit: Option<Duration> = None,
+        /// Once it is raised, the search for causes ends as at its time limit. (The flag of the model's pool ends the diagnosis without a
+        /// report.)
+        end_search: StopFlag = StopFlag::default(),
         /// Effects to try in addition to those of the library.
         candidates: Vec<Effect> = Vec::new(),
     }

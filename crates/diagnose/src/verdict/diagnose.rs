@@ -61,14 +61,21 @@ pub fn diagnose(
         return Err(DiagnoseError::Setting { name, value, requirement: "positive" });
     }
     let share = settings.verdict.search.share_of_time;
-    let counter = Counter::until(settings.time_limit.and_then(|limit| started.checked_add(limit.mul_f64(share))));
+    let deadline = settings.time_limit.and_then(|limit| started.checked_add(limit.mul_f64(share)));
+    let counter = Counter::until(deadline, settings.end_search.clone());
     let data = distinct(records, validate);
     let mut report = examined(system, data.clone(), true, settings, &counter, progress)?;
     if report.verdict == Verdict::Unexplained && settings.study.window.is_none() {
         report = in_shorter_windows(system, &data, report, settings, &counter, progress)?;
     }
-    if let (Some(limit), true) = (settings.time_limit, counter.is_over() && counter.left_out() > 0) {
-        report.notes.push(Note::TimeLimit { seconds: limit.as_secs_f64(), left_out: counter.left_out() });
+    if counter.is_over() && counter.left_out() > 0 {
+        let left_out = counter.left_out();
+        report.notes.push(match settings.time_limit {
+            Some(limit) if !settings.end_search.is_raised() => {
+                Note::TimeLimit { seconds: limit.as_secs_f64(), left_out }
+            }
+            _ => Note::Interrupted { left_out },
+        });
     }
     report.notes.extend(fixed(system, &settings.study));
     report.notes.extend(records.iter().chain(validate).flat_map(outliers));

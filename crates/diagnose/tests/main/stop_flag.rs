@@ -6,6 +6,7 @@ use std::time::Duration;
 use bracketry_diagnose::{
     Cause, DiagnoseError, DiagnosisSettings, Note, Record, RecordSettings, Report, Stage, diagnose,
 };
+use bracketry_symbolic::StopFlag;
 use bracketry_system::System;
 
 /// A mass that is pushed by a force, with a friction that its model lacks.
@@ -66,6 +67,25 @@ fn left_out(report: &Report) -> Option<u64> {
         .notes
         .iter()
         .find_map(|note| if let Note::TimeLimit { left_out, .. } = note { Some(*left_out) } else { None })
+}
+
+#[test]
+fn a_search_that_is_asked_to_end_reports_what_it_has() {
+    let (system, record) = pushed();
+    let whole = limited(false).effort.fits;
+    for last in [Stage::Refit, Stage::Fit { causes: 1 }] {
+        let settings = DiagnosisSettings { end_search: StopFlag::default(), ..DiagnosisSettings::default() };
+        let end = settings.end_search.clone();
+        let report = diagnose(&system, std::slice::from_ref(&record), &[], &settings, &mut |stage| {
+            if stage == last {
+                end.raise();
+            }
+        })
+        .unwrap();
+        let interrupted = |note: &Note| matches!(note, Note::Interrupted { left_out } if *left_out > 0);
+        assert!(report.notes.iter().any(interrupted), "{last:?}: {:?}", report.notes);
+        assert!(report.effort.fits < whole && !report.places.is_empty(), "{last:?}: {:?}", report.effort);
+    }
 }
 
 #[test]

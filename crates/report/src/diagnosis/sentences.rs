@@ -255,6 +255,9 @@ pub(super) fn note(note: &Note) -> String {
              better (--time-limit)",
             significant(*seconds, 3)
         ),
+        Note::Interrupted { left_out } => format!(
+            "interrupted: at least {left_out} fits were left out, and other causes, or rivals of these, may explain the data better"
+        ),
         Note::TooShortForGain => "the data are too short to measure the gain on a separate part".to_owned(),
         Note::StillColumns(names) => format!(
             "{} {}",
