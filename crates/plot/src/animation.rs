@@ -162,6 +162,14 @@ impl Animation {
         images.finish()
     }
 
+    /// The last image as a PNG of the size of the GIF, to stand for it.
+    ///
+    /// # Errors
+    /// As [`Self::image`].
+    pub fn still(&self) -> Result<Vec<u8>> {
+        self.image(self.snapshots.len().saturating_sub(1))?.png_of_scale(1)
+    }
+
     /// Writes the GIF, creating the folder if it is missing.
     ///
     /// # Errors

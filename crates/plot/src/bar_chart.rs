@@ -6,6 +6,7 @@ use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_lengths};
 use crate::legend::{Legend, Sample};
+use crate::reading::{self, with_unit};
 use crate::role::Role;
 use crate::setters::setters;
 use crate::stack::{BORDER, RIGHT, WIDTH};
@@ -152,12 +153,20 @@ impl BarChart {
         let labeled = all.all(|v| text::width(&three_digits(*v), SIZE, false) <= bar);
         let (zero, center) = (axes.page_y(0.0), axes.page_x(group as f64 + 0.5));
         let first = center - bar * self.series.len() as f64 / 2.0;
-        for (k, (_, values)) in self.series.iter().enumerate() {
+        for (k, (name, values)) in self.series.iter().enumerate() {
             let end = axes.page_y(values[group]);
             let left = first + k as f64 * bar;
             let (top, bottom) = (end.min(zero), end.max(zero));
             let body = Rect { left: left + 0.04 * bar, top, right: left + 0.96 * bar, bottom };
             canvas.bar(body, self.color(k), k)?;
+            // A short bar is found all over its column.
+            let column = Rect { top: axes.rect.top, bottom: axes.rect.bottom, ..body };
+            let said = [self.categories[group].as_str(), name].join(" ");
+            reading::value(
+                canvas,
+                column,
+                &format!("{}: {}", said.trim(), with_unit(&self.value_label, values[group])),
+            );
             if labeled {
                 let base = if values[group] < 0.0 { end + 0.95 * SIZE } else { end - 4.0 };
                 canvas.text(&three_digits(values[group]), (left + bar / 2.0, base), Align::Center, Look::PLAIN)?;

@@ -2,8 +2,8 @@
 //!
 //! The back end has whole-number coordinates, knows no dashes and centers text by a rule that differs between
 //! viewers. So it gets [`UNITS`] units per pixel (the SVG's view box scales them back), the last decimal digit
-//! of a stroke width names the dash pattern, put in when the document is finished, and every text is placed by its
-//! base line.
+//! of a stroke width names the dash pattern, its digits from [`TAG`] on the curve, both put in when the document is finished, and
+//! every text is placed by its base line.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;
@@ -23,7 +23,7 @@ pub(crate) use crate::glyphs::{Align, Look};
 use crate::text::{FAMILY, SIZE};
 
 /// Back-end units per figure pixel: stroke widths in quarters of a pixel are multiples of ten.
-const UNITS: f64 = 40.0;
+pub(crate) const UNITS: f64 = 40.0;
 /// Greatest height in pixels, within the range of back-end units.
 const TALLEST: u32 = 1_000_000;
 /// Offset of the base line from the position the back end gets, in em.
@@ -102,6 +102,10 @@ pub(crate) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
     /// What a raster image draws itself.
     texts: RefCell<Vec<PlacedText>>,
+    /// Attributes of the curves.
+    curves: RefCell<Vec<String>>,
+    /// Elements that are not seen.
+    unseen: RefCell<String>,
 }
 
 /// Draws on a white sheet of `width` × `height` pixels.
@@ -112,23 +116,30 @@ pub(crate) fn paint(width: f64, height: f64, draw: impl FnOnce(&Canvas) -> Resul
     }
     let units = UNITS as u32;
     let mut svg = String::new();
-    let texts = {
+    let (texts, curves, unseen) = {
         let backend = SVGBackend::with_string(&mut svg, (width * units, height * units));
-        let canvas = Canvas { area: backend.into_drawing_area(), texts: RefCell::default() };
+        let canvas = Canvas {
+            area: backend.into_drawing_area(),
+            texts: RefCell::default(),
+            curves: RefCell::default(),
+            unseen: RefCell::default(),
+        };
         let page = Rect { left: 0.0, top: 0.0, right: f64::from(width), bottom: f64::from(height) };
         canvas.rect(page, Color(255, 255, 255))?;
         draw(&canvas)?;
         canvas.area.present()?;
-        canvas.texts.into_inner()
+        (canvas.texts.into_inner(), canvas.curves.into_inner(), canvas.unseen.into_inner())
     };
-    Ok(Drawing::new(finish(&svg, width, height), texts, width, height))
+    Ok(Drawing::new(finish(&svg, (width, height), &curves, &unseen), texts, width, height))
 }
 
+/// Stroke widths with dash patterns stay below this; a multiple of it is the number of a curve, from 1 on.
+const TAG: usize = 100_000;
 /// How a stroke width stands in the document.
 const KEY: &str = "stroke-width=\"";
 
-/// Gives the document its size in pixels and the dash patterns.
-fn finish(svg: &str, width: u32, height: u32) -> String {
+/// Gives the document its size in pixels, the dash patterns, the names of the curves, and what is not seen.
+fn finish(svg: &str, (width, height): (u32, u32), curves: &[String], unseen: &str) -> String {
     let units = UNITS as u32;
     let mut out = format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" xmlns=\"http://www.w3.org/2000/svg\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n",
@@ -138,11 +149,15 @@ fn finish(svg: &str, width: u32, height: u32) -> String {
     for line in svg.lines().skip(1) {
         let dashed = line.starts_with("<polyline").then(|| line.split_once(KEY)).flatten();
         let Some((before, (number, after))) = dashed.and_then(|(b, rest)| Some((b, rest.split_once('"')?))) else {
+            if line == "</svg>" {
+                out.push_str(unseen);
+            }
             out.push_str(line);
             out.push('\n');
             continue;
         };
-        let code: usize = number.parse().unwrap_or(0);
+        let number: usize = number.parse().unwrap_or(0);
+        let (curve, code) = (number / TAG, number % TAG);
         out.push_str(before);
         let _ = write!(out, "{KEY}{}\"", code - code % 10);
         let pattern = Dash::ALL.get(code % 10).map_or(&[][..], |d| d.pattern());
@@ -150,10 +165,18 @@ fn finish(svg: &str, width: u32, height: u32) -> String {
             let lengths: Vec<String> = pattern.iter().map(|l| (l * UNITS).to_string()).collect();
             let _ = write!(out, " stroke-dasharray=\"{}\"", lengths.join(" "));
         }
+        if let Some(attributes) = curve.checked_sub(1).and_then(|k| curves.get(k)) {
+            out.push_str(attributes);
+        }
         out.push_str(after);
         out.push('\n');
     }
     out
+}
+
+/// A text in which characters that XML does not allow (control characters, noncharacters) are spaces.
+pub(crate) fn visible(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&c) { ' ' } else { c }).collect()
 }
 
 fn units(point: (f64, f64)) -> (i32, i32) {
@@ -167,14 +190,35 @@ fn style(color: Color, stroke_width: u32, filled: bool) -> ShapeStyle {
 impl Canvas<'_> {
     /// An open line through `points`.
     pub(crate) fn line(&self, points: &[(f64, f64)], stroke: Stroke) -> Result<()> {
+        self.tagged(points, stroke, 0)
+    }
+
+    /// The same for a curve whose values can be read, with attributes that say which one it is.
+    pub(crate) fn curve(&self, points: &[(f64, f64)], stroke: Stroke, attributes: String) -> Result<()> {
+        let mut curves = self.curves.borrow_mut();
+        curves.push(attributes);
+        self.tagged(points, stroke, curves.len())
+    }
+
+    /// A line with a number; 0 for none.
+    fn tagged(&self, points: &[(f64, f64)], stroke: Stroke, tag: usize) -> Result<()> {
         if points.len() < 2 {
             return Ok(());
         }
         let quarters = (stroke.width * 4.0).round().max(1.0) as u32;
         let code = Dash::ALL.iter().position(|d| *d == stroke.dash).unwrap_or(0) as u32;
         let path: Vec<_> = points.iter().map(|p| units(*p)).collect();
-        let look = style(stroke.color, quarters * 10 + code, false);
+        // Beyond some ten thousand curves, which nobody reads, the number has no room.
+        let tag = u32::try_from(tag * TAG).unwrap_or(0);
+        let look = style(stroke.color, tag + quarters * 10 + code, false);
         Ok(self.area.draw(&PathElement::new(path, look))?)
+    }
+
+    /// Adds an element that is not seen.
+    pub(crate) fn unseen(&self, element: &str) {
+        let mut unseen = self.unseen.borrow_mut();
+        unseen.push_str(element);
+        unseen.push('\n');
     }
 
     /// A filled polygon.
@@ -268,11 +312,7 @@ impl Canvas<'_> {
 
     /// One line of text whose base line runs through `at`.
     pub(crate) fn text(&self, text: &str, at: (f64, f64), align: Align, look: Look) -> Result<()> {
-        // Control characters and noncharacters are not allowed in XML.
-        let clean: String = text
-            .chars()
-            .map(|c| if c.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&c) { ' ' } else { c })
-            .collect();
+        let clean = visible(text);
         self.texts.borrow_mut().push(PlacedText { text: clean.clone(), at, align, look });
         let up = TOP_TO_BASE * look.size;
         let (at, turn) = if look.upright {

@@ -48,7 +48,12 @@ impl Drawing {
     /// # Errors
     /// [`PlotError::TooLarge`] when the image does not fit in memory, or [`PlotError::Rasterize`].
     pub fn png(&self) -> Result<Vec<u8>> {
-        let pixmap = self.pixmap(Self::PNG_SCALE)?;
+        self.png_of_scale(Self::PNG_SCALE)
+    }
+
+    /// The PNG image with `scale` pixels per figure pixel.
+    pub(crate) fn png_of_scale(&self, scale: u32) -> Result<Vec<u8>> {
+        let pixmap = self.pixmap(scale)?;
         let (width, height) = (pixmap.width(), pixmap.height());
         pixmap.encode_png().map_err(|_| PlotError::TooLarge { width, height })
     }

@@ -7,6 +7,7 @@ use crate::color_map::ColorMap;
 use crate::drawing::Drawing;
 use crate::error::{Result, check_finite, check_increasing};
 use crate::legend::{Legend, Marker, Sample};
+use crate::reading;
 use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, padded_range};
@@ -246,6 +247,7 @@ impl Field<'_> {
                     Marker::series(kind).draw_rimmed(canvas, (x, y))?;
                 }
             }
+            reading::panel(canvas, 0, &axes, (&self.labels.x, &self.labels.y));
             axes.frame(canvas)?;
             axes.label_left(canvas, &self.y_label(), tick_width(&axes.y) + 8.0)?;
             axes.label_below(canvas, &x_label)?;

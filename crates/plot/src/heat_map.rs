@@ -10,6 +10,7 @@ use crate::error::{PlotError, Result, check_finite, check_interval, check_length
 use crate::field::{Cells, ColorScale, Field, Labels, Mark};
 use crate::legend::Sample;
 use crate::panel::Level;
+use crate::reading;
 use crate::setters::setters;
 
 /// A quantity over two others, as the colors of cells; cells without a value are hatched.
@@ -121,7 +122,7 @@ impl HeatMap {
                 let v = self.values[j][i];
                 (!v.is_nan()).then(|| scale.color(v))
             };
-            draw_cells(canvas, axes, (&columns, &rows), fill)?;
+            draw_cells(canvas, axes, (&columns, &rows), fill, |_, _, _| ())?;
             for (k, level) in self.levels.iter().enumerate() {
                 draw_contour(canvas, axes, contour(&self.cells.x, &self.cells.y, &self.values, level.value), k)?;
             }
@@ -243,7 +244,16 @@ impl RegimeMap {
         let (columns, rows) = self.cells.edges();
         let field = field_of_cells(&self.labels, (&columns, &rows), &self.marks);
         Field { entries, ..field }.draw(|canvas, axes| {
-            draw_cells(canvas, axes, (&columns, &rows), |i, j| self.rows[j][i].map(|k| self.categories[k].1))?;
+            let category = |i: usize, j: usize| self.rows[j][i].map(|k| &self.categories[k]);
+            draw_cells(
+                canvas,
+                axes,
+                (&columns, &rows),
+                |i, j| category(i, j).map(|c| c.1),
+                |cell, i, j| {
+                    reading::value(canvas, cell, category(i, j).map_or(&self.missing, |c| &c.0));
+                },
+            )?;
             for (k, c) in self.curves.iter().enumerate() {
                 draw_contour(canvas, axes, contour(&c.places.x, &c.places.y, &c.values, 0.0), k)?;
             }
@@ -273,6 +283,7 @@ fn draw_cells(
     axes: &Axes,
     (columns, rows): (&[f64], &[f64]),
     fill: impl Fn(usize, usize) -> Option<Color>,
+    note: impl Fn(Rect, usize, usize),
 ) -> Result<()> {
     // A trifle larger to the right and downwards, where the next one covers it, so that no white shines through.
     const OVERLAP: f64 = 0.4;
@@ -294,6 +305,7 @@ fn draw_cells(
                 Some(color) => canvas.rect(cell, color)?,
                 None => canvas.hatch(cell)?,
             }
+            note(cell, i, j);
             from = i + 1;
         }
     }

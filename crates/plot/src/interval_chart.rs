@@ -6,10 +6,11 @@ use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_interval};
 use crate::legend::{Legend, Marker, Sample};
+use crate::reading::{self, with_unit};
 use crate::setters::setters;
 use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
-use crate::ticks::{Scale, padded_range};
+use crate::ticks::{Scale, padded_range, three_digits};
 
 /// Height of a row in pixels.
 const ROW: f64 = 26.0;
@@ -147,6 +148,20 @@ impl IntervalChart {
                 }
                 Marker::series(category).draw(canvas, (axes.page_x(row.value), y), color)?;
                 canvas.text(name, (left - 8.0, y + 0.36 * SIZE), Align::Right, Look::PLAIN)?;
+            }
+            for (k, row) in self.rows.iter().enumerate() {
+                let top = rect.top + k as f64 * ROW;
+                let said = match row.interval {
+                    Some((low, high)) => format!(
+                        "{} ({} … {})",
+                        with_unit(&self.value_label, row.value),
+                        three_digits(low),
+                        three_digits(high)
+                    ),
+                    None => with_unit(&self.value_label, row.value),
+                };
+                let said = format!("{}: {said}, {}", row.name, row.category);
+                reading::value(canvas, Rect { top, bottom: top + ROW, ..rect }, &said);
             }
             axes.frame(canvas)?;
             axes.label_below(canvas, &label)

@@ -16,7 +16,8 @@
 //! | [`Animation`] | an object on a shaken and tilted plate, from above and from the side, as a GIF |
 //! | [`TileChart`] | [`TileGrid`]s of colored, labeled tiles in named rows and columns |
 //!
-//! What is the same thing in several figures, such as a model before and after, looks the same: [`Role`]. Lines with more points than the image has pixels are thinned so that no extreme is lost.
+//! What is the same thing in several figures, such as a model before and after, looks the same: [`Role`]. Lines with more points than the image has pixels are thinned so that no extreme is lost. The SVG also says the scales of its axes, the names
+//! of its curves, and the values of its bars, so that a page can show the value under the pointer.
 
 mod animation;
 mod axes;
@@ -37,6 +38,7 @@ mod legend;
 mod motion;
 mod panel;
 mod plan_view;
+mod reading;
 mod role;
 mod setters;
 mod stack;

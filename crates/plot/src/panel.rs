@@ -6,6 +6,7 @@ use crate::color::Color;
 use crate::decimate::{clip_to_strip, decimate, simplify};
 use crate::error::{Result, check_finite, check_interval, check_lengths};
 use crate::legend::{Marker, Sample};
+use crate::reading::{self, Curve, unit_of};
 use crate::role::Role;
 use crate::setters::setters;
 use crate::ticks::three_digits;
@@ -296,22 +297,16 @@ impl Panel {
                 let to = series
                     .y
                     .last()
-                    .map_or(String::new(), |v| format!(" (ends at {}{})", three_digits(*v), self.unit()));
+                    .map_or(String::new(), |v| format!(" (ends at {}{})", three_digits(*v), unit_of(&self.label)));
                 marks.push((Sample::Beyond, format!("off scale{to}")));
             }
         }
         marks
     }
 
-    /// The unit that the label ends with in brackets, as it is written behind a number.
-    fn unit(&self) -> String {
-        let unit = self.label.strip_suffix(']').and_then(|l| l.rsplit_once('[')).map_or("", |(_, unit)| unit);
-        if unit.is_empty() || unit == "°" { unit.to_owned() } else { format!(" {unit}") }
-    }
-
-    /// Draws the lines, targets and bounds; `spread` is the distance in pixels by which the lines are set
+    /// Draws the lines, targets and bounds of panel `number` of a figure; `spread` is the distance in pixels by which the lines are set
     /// beside each other.
-    pub(crate) fn draw_lines(&self, canvas: &Canvas, axes: &Axes, spread: f64) -> Result<()> {
+    pub(crate) fn draw_lines(&self, canvas: &Canvas, axes: &Axes, spread: f64, number: usize) -> Result<()> {
         let r = axes.rect;
         for (levels, stroke) in [(&self.bounds, bound_stroke()), (&self.targets, target_stroke())] {
             for y in levels.iter().map(|l| axes.page_y(l.value)) {
@@ -333,12 +328,13 @@ impl Panel {
                 points.push(place(x, y));
             }
             let stroke = series.stroke(k);
+            let curve = Curve { panel: number, index: k, name: &series.name, shift };
             let parts =
                 if series.line { clip_to_strip(&decimate(&points, COLUMN), r.top, r.bottom) } else { Vec::new() };
             for part in parts {
                 match part.as_slice() {
                     [only] => canvas.disk(*only, 3.0, stroke.color)?,
-                    line => canvas.line(&simplify(line, TOLERANCE), stroke)?,
+                    line => canvas.curve(&simplify(line, TOLERANCE), stroke, curve.attributes())?,
                 }
             }
             if let Some(marker) = series.marker(k) {
@@ -346,6 +342,9 @@ impl Panel {
                 let inside: Vec<_> = inside.collect();
                 // Points of a line may be thinned by columns; those of a cloud have no order.
                 let marks = if series.line { decimate(&inside, COLUMN) } else { inside };
+                if !series.line {
+                    reading::points(canvas, &curve, &marks);
+                }
                 marks.into_iter().try_for_each(|p| marker.draw(canvas, p, stroke.color))?;
             }
             if let Some(((x, y), upwards)) = self.limits.and_then(|limits| series.leaves(limits)) {

@@ -9,6 +9,7 @@ use crate::error::{PlotError, Result, check_finite};
 use crate::legend::{Legend, Marker, Sample};
 use crate::motion::{Outline, Pose, RecordedMotion};
 use crate::panel::{COLUMN, TOLERANCE};
+use crate::reading;
 use crate::setters::setters;
 use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
@@ -318,6 +319,7 @@ impl PlanView {
                 axes.grid_x(canvas)?;
                 axes.grid_y(canvas)?;
                 scene.draw(canvas, &axes, stamps)?;
+                reading::panel(canvas, k, &axes, (&self.x_label, &self.y_label));
                 axes.frame(canvas)?;
                 axes.label_left(canvas, &y_label, tick_width(&axes.y) + 6.0)?;
                 axes.label_below(canvas, &x_label)?;

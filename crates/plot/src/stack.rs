@@ -7,6 +7,7 @@ use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_interval};
 use crate::legend::{Legend, Sample};
 use crate::panel::{Interval, Panel, TARGET_BAND, bound_stroke, target_stroke};
+use crate::reading;
 use crate::setters::setters;
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, padded_range};
@@ -254,7 +255,8 @@ impl Layout<'_> {
                 panel.draw_target_band(canvas, &axes)?;
                 axes.grid_x(canvas)?;
                 axes.grid_y(canvas)?;
-                panel.draw_lines(canvas, &axes, self.spread)?;
+                panel.draw_lines(canvas, &axes, self.spread, k)?;
+                reading::panel(canvas, k, &axes, (self.x_label, &panel.label));
                 axes.frame(canvas)?;
                 axes.label_left(canvas, &labels[k], label_gap)?;
                 if k + 1 == self.panels.len() {

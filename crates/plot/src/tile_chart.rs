@@ -6,6 +6,7 @@ use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result};
 use crate::legend::{Legend, Sample};
+use crate::reading;
 use crate::setters::setters;
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
@@ -204,6 +205,15 @@ impl<'a> Placed<'a> {
         Placed { grid, title, columns, rect, bottom }
     }
 
+    /// What a tile says, with its row and column.
+    fn said(&self, tile: &Tile) -> String {
+        let grid = self.grid;
+        let place = [(&grid.row_label, &grid.rows[tile.row]), (&grid.column_label, &grid.columns[tile.column])];
+        let place = place.map(|(label, name)| format!("{label} {name}").trim().to_owned());
+        let label = if tile.label.is_empty() { String::new() } else { format!(" ({})", tile.label) };
+        format!("{}: {}{label}", place.join(", "), tile.category)
+    }
+
     fn draw(&self, canvas: &Canvas, used: &[(String, Color)]) -> Result<()> {
         let (grid, r) = (self.grid, self.rect);
         let width = r.width() / grid.columns.len() as f64;
@@ -229,6 +239,7 @@ impl<'a> Placed<'a> {
             let base = f64::midpoint(cell.top, cell.bottom) + 0.36 * size;
             let look = Look { size, ..Look::PLAIN };
             canvas.text(&label, (f64::midpoint(cell.left, cell.right), base), Align::Center, look)?;
+            reading::value(canvas, cell, &self.said(t));
         }
         canvas.border(r, Stroke::solid(Color::INK, 1.0))?;
         for (k, name) in grid.rows.iter().enumerate() {

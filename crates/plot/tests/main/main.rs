@@ -5,3 +5,4 @@ mod animation;
 mod figures;
 mod legends;
 mod maps;
+mod readings;
