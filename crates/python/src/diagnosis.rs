@@ -116,7 +116,7 @@ pub(crate) fn diagnose<'py>(
                 figures = figures.with(figure.name, move || drawn.figures().swap_remove(k).drawing);
             }
             let drawn = Arc::clone(&diagnosis);
-            let page = Page(Box::new(move || drawn.page(&drawn.figures())));
+            let page = Page(Box::new(move || drawn.page(&drawn.figures(), &[])));
             Ok((Answer::of(diagnosis.as_ref(), figures)?, page, extended))
         })
     })?;

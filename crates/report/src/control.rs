@@ -1,10 +1,10 @@
 //! Closed loops as text, table and figure.
 
-use std::fmt;
+use std::fmt::Write as _;
 
 use bracketry_mpc::closed_loop::{LateSamples, PlantEquations, PlantStopped};
 use bracketry_mpc::ocp::BoundSide;
-use bracketry_mpc::problem::{ClosedLoopReport, MethodReason};
+use bracketry_mpc::problem::{ClosedLoopReport, FoundValues, MethodReason};
 use bracketry_mpc::sqp::Hessian;
 use bracketry_mpc::{ControlError, ControlProblem, Controlled, MpcError, Ocp, PlannedTrajectory};
 use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
@@ -13,140 +13,163 @@ use bracketry_system::{TimeUnit, counted, readable};
 
 use crate::control_signals::{columns, is_tracking, panels, with_references};
 use crate::curves::{drawn_times, with_bounds};
+use crate::html::{self, Chapter, Figure, Page, escaped};
 use crate::simulation::{self, friction_bands, friction_colors};
 
 /// The figures of a closed loop, one to a line.
 pub fn text(report: &ClosedLoopReport) -> String {
-    Text(report).to_string()
+    let width = report.x_final.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(8);
+    let line = |(what, said): (String, String)| {
+        let what = match what.strip_prefix(FINAL) {
+            Some(name) => format!("{FINAL}{name:<width$}"),
+            None => what,
+        };
+        format!("{what:<14} {said}\n")
+    };
+    facts(report).into_iter().map(line).collect()
 }
 
-struct Text<'a>(&'a ClosedLoopReport);
+/// What the name of the last value of a state starts with.
+const FINAL: &str = "final ";
 
-impl fmt::Display for Text<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let report = self.0;
-        writeln!(f, "method         {}: {}", report.method, why(&report.method_reason))?;
-        if let Some(p) = &report.plan {
-            let programs = effort(p.interior_point_steps, p.programs);
-            let exact = if p.hessian == Hessian::Exact { ", the last with the exact Hessian," } else { "" };
-            writeln!(f, "plan           {}, {programs}{exact} in {:.2} s", p.status, p.seconds)?;
-        }
-        if let Some(found) = &report.found {
-            let unit = match report.time_unit {
-                TimeUnit::Dimensionless => String::new(),
-                unit => format!(" {}", unit.symbol()),
-            };
-            let end_time = found.end_time.iter().map(|t| ("end time", *t, unit.as_str()));
-            let parameters = found.parameters.iter().map(|(name, v)| (name.as_str(), *v, ""));
-            let starts = found.initial_states.iter().map(|(name, v)| (name.as_str(), *v, " at the start"));
-            let values =
-                end_time.chain(parameters).chain(starts).map(|(name, v, unit)| format!("{name} {}{unit}", readable(v)));
-            let programs = effort(found.interior_point_steps, found.programs);
-            writeln!(
-                f,
-                "found          {}: {}, {programs} in {:.2} s",
-                values.collect::<Vec<_>>().join(", "),
-                found.status,
-                found.seconds
-            )?;
-        }
-        for m in report.chance.iter().flat_map(|c| &c.margins) {
-            let (first, last) = (readable(m.first), readable(m.last));
-            writeln!(
-                f,
-                "margin {:<7} {first} at the start, {last} at the end, for a probability of {}",
-                m.name, m.probability
-            )?;
-        }
-        if let Some(r) = &report.rounding {
-            writeln!(
-                f,
-                "rounding       first plan costs {} relaxed, {} with {} rounded to allowed values",
-                readable(r.relaxed_cost),
-                readable(r.rounded_cost),
-                r.inputs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
-            )?;
-        }
-        if let Some(tree) = &report.scenarios {
-            write!(f, "scenarios      {}", counted(tree.branches, "branch", "branches"))?;
-            match tree.predicted_violation {
-                Some(v) => writeln!(f, ", largest predicted violation in any branch: {}", readable(v))?,
-                None => writeln!(f)?,
-            }
-        }
-        let (cost, predicted) = (readable(report.closed_loop_cost), readable(report.open_loop_cost));
-        write!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
-        if report.open_loop_terminal_cost != 0.0 {
-            let (stage, terminal) = (report.open_loop_stage_cost, report.open_loop_terminal_cost);
-            write!(f, ": {} stage, {} terminal", readable(stage), readable(terminal))?;
-            if let Some(end) = report.closed_loop_terminal_cost {
-                write!(f, ", which is {} in closed loop", readable(end))?;
-            }
-        }
-        writeln!(f)?;
-        let c = &report.status;
-        writeln!(
-            f,
-            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the end of the plan",
-            report.steps, c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
-        )?;
-        let s = &report.solve_ms;
-        writeln!(
-            f,
-            "step time      {:.2} ms median, {:.2} ms 99th percentile, {:.2} ms longest; sampling period {}",
-            s.median,
-            s.p99,
-            s.max,
-            if report.time_unit.is_second() {
-                format!("{} ms", readable(report.period_ms))
-            } else {
-                report.time_unit.text(readable(report.period))
-            }
-        )?;
-        match report.constraint_violation_max {
-            0.0 => write!(f, "bounds         all kept")?,
-            most => write!(f, "bounds         largest violation {}", readable(most))?,
-        }
-        if let Some(v) = &report.constraint_violation_at {
-            let side = match v.side {
-                BoundSide::Min => "below its min",
-                BoundSide::Max => "above its max",
-            };
-            write!(
-                f,
-                ": `{}` {side} at sample {} (t = {})",
-                v.name,
-                v.sample,
-                report.time_unit.text(readable(v.time))
-            )?;
-        }
-        writeln!(f)?;
-        for r in &report.input_ranges {
-            let ends = [(r.min, "at or above "), (r.max, "at or below ")];
-            let ends = ends.into_iter().filter_map(|(end, word)| Some(format!("{word}{}", readable(end?))));
-            writeln!(
-                f,
-                "input {:<8} kept {} by its range in the model",
-                r.input,
-                ends.collect::<Vec<_>>().join(" and ")
-            )?;
-        }
-        let width = report.x_final.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(8);
-        for (name, v) in report.x_final.iter() {
-            write!(f, "final {name:<width$} {}", readable(*v))?;
-            match report.miss.get(name) {
-                Some(e) => writeln!(f, ", off its target by {}", readable(e.abs()))?,
-                None => writeln!(f)?,
-            }
-        }
-        for note in &report.notes {
-            writeln!(f, "note           {note}")?;
-        }
-        if let Some(said) = late(&report.late, report.period_ms) {
-            writeln!(f, "note           {said}")?;
-        }
-        Ok(())
+/// What is to be said of a closed loop: what, and its value.
+fn facts(report: &ClosedLoopReport) -> Vec<(String, String)> {
+    let mut facts = Vec::new();
+    let mut add = |what: &str, said: String| facts.push((what.to_owned(), said));
+    add("method", format!("{}: {}", report.method, why(&report.method_reason)));
+    if let Some(p) = &report.plan {
+        let programs = effort(p.interior_point_steps, p.programs);
+        let exact = if p.hessian == Hessian::Exact { ", the last with the exact Hessian," } else { "" };
+        add("plan", format!("{}, {programs}{exact} in {:.2} s", p.status, p.seconds));
     }
+    if let Some(found) = &report.found {
+        add("found", free_values(found, report.time_unit));
+    }
+    for m in report.chance.iter().flat_map(|c| &c.margins) {
+        let (first, last) = (readable(m.first), readable(m.last));
+        let said = format!("{first} at the start, {last} at the end, for a probability of {}", m.probability);
+        add(&format!("margin {}", m.name), said);
+    }
+    if let Some(r) = &report.rounding {
+        let names = r.inputs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
+        let (relaxed, rounded) = (readable(r.relaxed_cost), readable(r.rounded_cost));
+        add(
+            "rounding",
+            format!("first plan costs {relaxed} relaxed, {rounded} with {names} rounded to allowed values"),
+        );
+    }
+    if let Some(tree) = &report.scenarios {
+        let branches = counted(tree.branches, "branch", "branches");
+        let violation = tree
+            .predicted_violation
+            .map_or_else(String::new, |v| format!(", largest predicted violation in any branch: {}", readable(v)));
+        add("scenarios", branches + &violation);
+    }
+    add("cost", cost(report));
+    let c = &report.status;
+    add(
+        "samples",
+        format!(
+            "{}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the end of the plan",
+            report.steps, c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
+        ),
+    );
+    let s = &report.solve_ms;
+    let period = if report.time_unit.is_second() {
+        format!("{} ms", readable(report.period_ms))
+    } else {
+        report.time_unit.text(readable(report.period))
+    };
+    add(
+        "step time",
+        format!(
+            "{:.2} ms median, {:.2} ms 99th percentile, {:.2} ms longest; sampling period {period}",
+            s.median, s.p99, s.max
+        ),
+    );
+    add("bounds", bounds(report));
+    for r in &report.input_ranges {
+        let ends = [(r.min, "at or above "), (r.max, "at or below ")];
+        let ends = ends.into_iter().filter_map(|(end, word)| Some(format!("{word}{}", readable(end?))));
+        let ends = ends.collect::<Vec<_>>().join(" and ");
+        add(&format!("input {}", r.input), format!("kept {ends} by its range in the model"));
+    }
+    for (name, v) in report.x_final.iter() {
+        let off =
+            report.miss.get(name).map_or_else(String::new, |e| format!(", off its target by {}", readable(e.abs())));
+        add(&format!("{FINAL}{name}"), format!("{}{off}", readable(*v)));
+    }
+    for note in &report.notes {
+        add("note", note.to_string());
+    }
+    if let Some(said) = late(&report.late, report.period_ms) {
+        add("note", said);
+    }
+    facts
+}
+
+/// The values that were free, and what it took to find them.
+fn free_values(found: &FoundValues, time: TimeUnit) -> String {
+    let unit = match time {
+        TimeUnit::Dimensionless => String::new(),
+        unit => format!(" {}", unit.symbol()),
+    };
+    let end_time = found.end_time.iter().map(|t| ("end time", *t, unit.as_str()));
+    let parameters = found.parameters.iter().map(|(name, v)| (name.as_str(), *v, ""));
+    let starts = found.initial_states.iter().map(|(name, v)| (name.as_str(), *v, " at the start"));
+    let values =
+        end_time.chain(parameters).chain(starts).map(|(name, v, unit)| format!("{name} {}{unit}", readable(v)));
+    let programs = effort(found.interior_point_steps, found.programs);
+    format!("{}: {}, {programs} in {:.2} s", values.collect::<Vec<_>>().join(", "), found.status, found.seconds)
+}
+
+fn cost(report: &ClosedLoopReport) -> String {
+    let (cost, predicted) = (readable(report.closed_loop_cost), readable(report.open_loop_cost));
+    let mut out = format!("{cost} in closed loop, {predicted} predicted");
+    if report.open_loop_terminal_cost != 0.0 {
+        let (stage, terminal) = (report.open_loop_stage_cost, report.open_loop_terminal_cost);
+        let _ = write!(out, ": {} stage, {} terminal", readable(stage), readable(terminal));
+        if let Some(end) = report.closed_loop_terminal_cost {
+            let _ = write!(out, ", which is {} in closed loop", readable(end));
+        }
+    }
+    out
+}
+
+fn bounds(report: &ClosedLoopReport) -> String {
+    let mut out = match report.constraint_violation_max {
+        0.0 => "all kept".to_owned(),
+        most => format!("largest violation {}", readable(most)),
+    };
+    if let Some(v) = &report.constraint_violation_at {
+        let side = match v.side {
+            BoundSide::Min => "below its min",
+            BoundSide::Max => "above its max",
+        };
+        let time = report.time_unit.text(readable(v.time));
+        let _ = write!(out, ": `{}` {side} at sample {} (t = {time})", v.name, v.sample);
+    }
+    out
+}
+
+/// A closed loop as an HTML page with these figures, and links to these files beside it.
+pub fn page(
+    problem: &ControlProblem,
+    report: &ClosedLoopReport,
+    figures: &[Figure],
+    files: &[(String, String)],
+) -> String {
+    let outcome = if report.succeeded { "The loop succeeded" } else { "The loop did not succeed" };
+    let verdict = format!("{outcome}. Bounds: {}.", bounds(report));
+    let lead = format!("<p class=\"verdict\">{}</p>\n", escaped(&verdict)) + &html::figures(figures);
+    let (notes, facts): (Vec<_>, Vec<_>) = facts(report).into_iter().partition(|(what, _)| what == "note");
+    let mut chapters = vec![Chapter::new("Results", html::facts("Results", facts))];
+    if !notes.is_empty() {
+        chapters.push(Chapter::new("Notes", html::list(notes.into_iter().map(|(_, said)| said))));
+    }
+    chapters.push(html::model("Model of the plant", &problem.plant));
+    chapters.push(Chapter::files(files.iter().map(|(name, what)| (name, what))));
+    Page::new(format!("Closed loop of {}", problem.system.name), lead).chapters(chapters).html()
 }
 
 /// What is to be said of samples that took too long; none where there are none.

@@ -17,7 +17,7 @@ use clap::{Args, ValueEnum};
 
 use super::from_rest;
 use super::limits::TimeLimit;
-use super::output::{figure, folder, json, line, print, write};
+use super::output::{PageArgs, figure, folder, json, line, listed, print, save_figures, write};
 use super::progress::spinner;
 use super::style::error;
 use super::{CommonArgs, Outcome};
@@ -76,22 +76,22 @@ pub(crate) struct AnalyzeArgs {
     #[command(flatten)]
     pub(crate) time_limit: TimeLimit,
     /// Report which rest states bounded inputs can reach, under dry friction, from the rest state at the point
-    #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability"])]
+    #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability", "open"])]
     from_rest: bool,
     /// Bounds of inputs, of their derivatives, and of states, such as "der(X,2)=-4..4,theta=-0.2..0.2", for --from-rest;
     /// in addition to the ranges of the model
     #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true, requires = "from_rest")]
     bounds: Option<String>,
     /// Treat these parameters as symbolic ("symbolic": all) and list the values at which verdicts change
-    #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
+    #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "open"])]
     parameters: Option<String>,
     /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; with --from-rest over two bounds, such as
     /// "der(X,2)=1..6,theta=0.1..0.5", about the values at rest; the figure goes to --out
     #[arg(long, value_name = "A=LOW..HIGH,B=LOW..HIGH", allow_hyphen_values = true,
-        conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters"])]
+        conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "open"])]
     map: Option<String>,
     /// Local and global identifiability of parameters and initial states, and identifiable combinations
-    #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map"])]
+    #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map", "open"])]
     identifiability: bool,
     /// State whose initial value is known, as x or x=0, for --identifiability; comma-separated; may be repeated
     #[arg(long, value_name = "STATE[=VALUE],…", value_delimiter = ',', requires = "identifiability")]
@@ -111,6 +111,8 @@ pub(crate) struct AnalyzeArgs {
     /// The same as --format markdown
     #[arg(long, conflicts_with_all = ["json", "format"])]
     markdown: bool,
+    #[command(flatten)]
+    page: PageArgs,
 }
 
 impl AnalyzeArgs {
@@ -125,6 +127,7 @@ impl AnalyzeArgs {
 
 /// Prints what the inputs of a model reach.
 pub(crate) fn analyze(args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    args.page.check(output)?;
     let mut system = output.limits.read(&args.model)?;
     if args.from_rest {
         if let Some(at) = &args.at {
@@ -170,7 +173,7 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result
     };
     progress.finish_and_clear();
     if let Some(dir) = &output.out {
-        save(&analysis, dir)?;
+        args.page.open(&save_page(&analysis, dir)?);
     }
     let format = args.format(output);
     match format {
@@ -246,7 +249,7 @@ fn cells(system: &System, map: &str, args: &AnalyzeArgs, output: &CommonArgs) ->
         folder(dir)?;
         write(&dir.join("parameter_map.txt"), &text)?;
         write(&dir.join("parameter_map.json"), &value)?;
-        figure(parameter_figure(&system.all_quantities(), &found).draw(), &dir.join("parameter_map"));
+        figure(&parameter_figure(&system.all_quantities(), &found).draw(), &dir.join("parameter_map"));
     }
     print(if output.json { &value } else { &text })?;
     Ok(if found.report.is_complete() { Outcome::Done } else { Outcome::Negative })
@@ -262,20 +265,33 @@ fn answered(analysis: &Analysis, args: &AnalyzeArgs) -> bool {
         && (args.determines.is_empty() || determined)
 }
 
-/// What [`save`] writes.
-const FILES: &str =
-    "analysis.json, analysis.txt, analysis.md, affine.toml, and the figures growth and reach (svg and png)";
+/// The page with everything.
+const PAGE: &str = "analysis.html";
+/// What [`save_page`] writes.
+const FILES: &str = "analysis.html, analysis.json, analysis.txt, analysis.md, affine.toml, and the figures growth and reach (svg and png)";
 
-/// Writes report, affine model and growth chart.
+/// Writes report and affine model.
 pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
     folder(dir)?;
     write(&dir.join("analysis.json"), &json(&report::json(analysis))?)?;
     write(&dir.join("analysis.txt"), &report::text(analysis))?;
     write(&dir.join("analysis.md"), &report::markdown(analysis))?;
     write(&dir.join("affine.toml"), &analysis.affinization.system.to_toml()?)?;
-    figure(report::growth_figure(analysis).draw(), &dir.join("growth"));
-    if let Some(reach) = report::reach_figure(analysis) {
-        figure(reach.draw(), &dir.join("reach"));
-    }
     Ok(())
+}
+
+/// [`save`] with figures and the page; gives the page.
+fn save_page(analysis: &Analysis, dir: &Path) -> anyhow::Result<PathBuf> {
+    save(analysis, dir)?;
+    let mut files = listed(&[
+        ("analysis.txt", "the report as text"),
+        ("analysis.md", "the report with formulas, as Markdown"),
+        ("analysis.json", "all results, for programs"),
+        ("affine.toml", "the affine model"),
+    ]);
+    let figures = report::figures(analysis);
+    files.extend(save_figures(&figures, dir));
+    let page = dir.join(PAGE);
+    write(&page, &report::page(analysis, &figures, &files))?;
+    Ok(page)
 }

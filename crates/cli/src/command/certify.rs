@@ -132,7 +132,7 @@ pub(crate) fn run(args: &CertifyArgs, output: &CommonArgs) -> anyhow::Result<Out
             (axes, found.region.as_ref().and_then(|f| f.proof()).filter(|p| p.level.is_some()))
         {
             let picture = portrait(&system, proof, axes)?;
-            if figure(region_figure(&system.name, &system.quantities, &picture), &dir.join("region")) {
+            if figure(&region_figure(&system.name, &system.quantities, &picture), &dir.join("region")) {
                 written.extend(["region.svg", "region.png"].map(str::to_owned));
             }
         }

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bracketry::mpc::{ControlError, ControlProblem, Controlled, LiveController, MpcError, control_watched};
+use bracketry::report::Figure;
 use bracketry::report::control as printed;
 use clap::Args;
 
 use super::live::{Limits, serve, wait_until_closed};
-use super::output::{csv, figure, folder, json, line, print, write};
+use super::output::{PageArgs, csv, folder, json, line, listed, print, save_figures, write};
 use super::progress::spinner;
 use super::seed::seed;
 use super::style::warning;
@@ -21,18 +22,23 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
     ("Control a plant of your own over a pipe", "bracketry control problem.toml --live --deadline 0.05"),
 ];
 
+/// The page with everything.
+const PAGE: &str = "control.html";
+
 /// Arguments of `control`.
 #[derive(Args)]
 pub(crate) struct ControlArgs {
     /// Problem file (TOML): model, horizon, cost, bounds; docs/mpc.md in the repository documents every key
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) problem: PathBuf,
+    #[command(flatten)]
+    page: PageArgs,
     /// Seed of the measurement noise; overrides `seed` in [run]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = seed)]
     seed: Option<u64>,
     /// Control a plant of your own: read measurements from standard input and write inputs to standard output, one JSON object
     /// per line; see docs/live.md in the repository
-    #[arg(long)]
+    #[arg(long, conflicts_with = "open")]
     live: bool,
     /// With --live: maximum time from an input to the next measurement, s; then the failure policy applies
     #[arg(long, requires = "live", value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
@@ -55,6 +61,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 /// Runs the loop and writes what it gave.
 pub(crate) fn run(args: &ControlArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    args.page.check(output)?;
     let progress = spinner("reading and building the problem");
     let mut problem = ControlProblem::read(&args.problem)?;
     if let Some(seed) = args.seed {
@@ -84,7 +91,16 @@ pub(crate) fn run(args: &ControlArgs, output: &CommonArgs) -> anyhow::Result<Out
     if let Some(dir) = &output.out {
         folder(dir)?;
         write(&dir.join("control.json"), &json(report)?)?;
-        drawn = write_files(dir, &problem, &controlled)?;
+        let mut files = listed(&[("control.json", "all results, for programs")]);
+        files.extend(write_tables(dir, &problem, &controlled)?);
+        let caption = "States, inputs, and named constraints over time, with targets, references, and bounds";
+        let figures = [Figure::new("closed_loop", caption, printed::figure(&problem, &controlled))];
+        let saved = save_figures(&figures, dir);
+        drawn = !saved.is_empty();
+        files.extend(saved);
+        let page = dir.join(PAGE);
+        write(&page, &printed::page(&problem, report, &figures, &files))?;
+        args.page.open(&page);
     }
     if output.json {
         print(&json(report)?)?;
@@ -95,11 +111,11 @@ pub(crate) fn run(args: &ControlArgs, output: &CommonArgs) -> anyhow::Result<Out
                 let plan = if controlled.run.plan.is_some() { ", plan.csv" } else { "" };
                 let figure = if drawn { ", closed_loop.svg, closed_loop.png" } else { "" };
                 line(&format!(
-                    "written to {}: control.json, closed_loop.csv, predictions.csv{plan}{figure}",
+                    "written to {}: {PAGE}, control.json, closed_loop.csv, predictions.csv{plan}{figure}",
                     dir.display()
                 ))?;
             }
-            None => line("(--out DIR writes trajectory and plots)")?,
+            None => line("(--out DIR writes a page with plots, and the trajectory as tables)")?,
         }
     }
     Ok(if report.succeeded { Outcome::Done } else { Outcome::Negative })
@@ -129,15 +145,23 @@ fn control_live(mut controller: LiveController, args: &ControlArgs, output: &Com
     Ok(if ended.succeeded() { Outcome::Done } else { Outcome::Negative })
 }
 
-/// The table and the figure; says whether there is a figure.
-fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<bool> {
+/// Writes the tables, and says what is in them.
+fn write_tables(
+    dir: &Path,
+    problem: &ControlProblem,
+    controlled: &Controlled,
+) -> anyhow::Result<Vec<(String, String)>> {
+    let mut files = listed(&[
+        ("closed_loop.csv", "the closed loop over time"),
+        ("predictions.csv", "the prediction of every sample"),
+    ]);
     let (header, rows) = printed::table(problem, controlled);
     csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;
     let (header, rows) = printed::predictions(problem, controlled);
     csv(&dir.join("predictions.csv"), &header, rows.iter().map(Vec::as_slice))?;
     if let Some((header, rows)) = printed::plan(problem, controlled) {
         csv(&dir.join("plan.csv"), &header, rows.iter().map(Vec::as_slice))?;
+        files.extend(listed(&[("plan.csv", "the plan over time")]));
     }
-
-    Ok(figure(printed::figure(problem, controlled), &dir.join("closed_loop")))
+    Ok(files)
 }

@@ -7,7 +7,7 @@ use crate::demo::{Finding, MoveOnEquations, MoveOnPlant, Story, StoryEvent, Stor
 use clap::Args;
 use rayon::prelude::*;
 
-use super::output::{self, csv, figure, json, write};
+use super::output::{self, PageArgs, csv, figure, json, write};
 use super::own_folder::OwnFolder;
 use super::progress::spinner;
 use super::seed::seed;
@@ -29,6 +29,8 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
 /// Arguments of `bracketry demo`.
 #[derive(Args)]
 pub(crate) struct DemoArgs {
+    #[command(flatten)]
+    page: PageArgs,
     /// Seed of the experiments and of the noise
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = seed)]
     seed: Option<u64>,
@@ -61,15 +63,15 @@ pub(crate) fn run(args: &DemoArgs, options: &CommonArgs) -> anyhow::Result<Outco
     broken?;
     progress.set_message("figures, animations, and the page");
     let animations = story.animations()?;
-    write(&out.join("report.html"), &story.page(&animations))?;
     for film in &animations {
         std::fs::write(out.join(format!("{}.gif", film.name)), &film.gif)?;
     }
     story.figures().into_par_iter().for_each(|f| {
-        figure(f.drawing, &out.join(f.name));
+        figure(&f.drawing, &out.join(f.name));
     });
     let summary = json(&story.summary())?;
     write(&out.join("main.json"), &summary)?;
+    write(&out.join("report.html"), &story.page(&animations, &own.names()?))?;
     progress.finish_and_clear();
     let closing = format!(
         "written to {}: report.html (everything on one page), report.txt, main.json, analysis.json, affine.toml, extended.toml,\n\
@@ -79,6 +81,7 @@ pub(crate) fn run(args: &DemoArgs, options: &CommonArgs) -> anyhow::Result<Outco
     );
     write(&out.join("report.txt"), &format!("{}{closing}\n", written.text))?;
     own.record()?;
+    args.page.open(&out.join("report.html"));
     if options.json {
         output::print(&summary)?;
     } else {

@@ -19,7 +19,7 @@ use clap::Args;
 use super::file_kind::{FileKind, Given};
 use super::interrupt::ended_by_user;
 use super::limits::seconds;
-use super::output::{figure, folder, json, line, print, write};
+use super::output::{PageArgs, folder, json, line, listed, print, save_figures, write};
 use super::progress::spinner;
 use super::seed::seed;
 use super::simulate::HoldArg;
@@ -39,6 +39,8 @@ pub(crate) const EXAMPLES: [(&str, &str); 4] = [
     ("Fix a parameter that is known well", "bracketry diagnose slider.toml log.csv --fix m --json"),
 ];
 
+/// The page with everything.
+const PAGE: &str = "diagnosis.html";
 /// Most next experiments that are named: each takes away one rival, and mostly others with it.
 const MOST_NEXT: usize = 3;
 
@@ -69,6 +71,8 @@ pub(crate) struct DiagnoseArgs {
     /// Horizons of time at which predictions are compared; by default chosen from the data
     #[arg(long, value_name = "S,…", value_delimiter = ',', allow_negative_numbers = true)]
     horizon: Vec<f64>,
+    #[command(flatten)]
+    page: PageArgs,
     /// Another model of the same system: terms of its equations that MODEL lacks become candidates
     #[arg(long, value_name = "MODEL2")]
     reference: Option<PathBuf>,
@@ -101,6 +105,7 @@ fn renaming(text: &str) -> Result<(String, String), String> {
 
 /// Reads, diagnoses, and writes what was found.
 pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    args.page.check(output)?;
     let system = output.limits.read(&args.model)?;
     system.check_denominators().with_context(|| args.model.display().to_string())?;
     let reading = RecordSettings {
@@ -152,6 +157,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
     if let Some(dir) = &output.out {
         progress.set_message("drawing");
         write_files(dir, &diagnosis)?;
+        args.page.open(&dir.join(PAGE));
     }
     progress.finish_and_clear();
     if output.json {
@@ -159,7 +165,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &CommonArgs) -> anyhow::Result<Ou
     } else {
         print(&diagnosis.to_string())?;
         match &output.out {
-            Some(dir) => line(&format!("written to {}", dir.display()))?,
+            Some(dir) => line(&format!("written to {}: {PAGE} with everything", dir.display()))?,
             None => {
                 line(
                     "(--out DIR writes a page with everything, the figures, and the extended model, if there is one)",
@@ -244,9 +250,12 @@ fn write_files(dir: &Path, diagnosis: &Diagnosis) -> anyhow::Result<()> {
     write(&dir.join("diagnosis.json"), &json(diagnosis)?)?;
     write(&dir.join("diagnosis.txt"), &diagnosis.to_string())?;
     let figures = diagnosis.figures();
-    write(&dir.join("diagnosis.html"), &diagnosis.page(&figures))?;
-    for f in figures {
-        figure(f.drawing, &dir.join(f.name));
+    let mut files = listed(&[("diagnosis.txt", "the report as text"), ("diagnosis.json", "all results, for programs")]);
+    if let Some(model) = diagnosis.extended_model.as_ref().and_then(|path| path.file_name()) {
+        files.push((model.to_string_lossy().into_owned(), "the extended model".to_owned()));
     }
-    Ok(())
+    let rivals = 1..=diagnosis.next_experiments.len();
+    files.extend(rivals.map(|k| (format!("rival_{k}.toml"), "the model with a rival of a cause".to_owned())));
+    files.extend(save_figures(&figures, dir));
+    write(&dir.join(PAGE), &diagnosis.page(&figures, &files))
 }

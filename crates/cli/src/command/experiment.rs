@@ -109,12 +109,12 @@ pub(crate) fn run(args: &ExperimentArgs, output: &CommonArgs) -> anyhow::Result<
     if args.tell.is_empty() {
         let found = identify(&system, &args.parameters, &options)?;
         progress.finish_and_clear();
-        return report(Found::of_parameters(&found)?, output);
+        return report(&Found::of_parameters(&found)?, output);
     }
     let [(a, first), (b, second)] = explanations(args, &system, output)?;
     let found = tell([(&a, &first), (&b, &second)], &options)?;
     progress.finish_and_clear();
-    report(Found::of_explanations(&found)?, output)
+    report(&Found::of_explanations(&found)?, output)
 }
 
 /// A result in all its forms.
@@ -151,7 +151,7 @@ impl Found {
     }
 }
 
-fn report(found: Found, output: &CommonArgs) -> anyhow::Result<Outcome> {
+fn report(found: &Found, output: &CommonArgs) -> anyhow::Result<Outcome> {
     let mut written = String::new();
     if let Some(dir) = &output.out {
         folder(dir)?;
@@ -160,7 +160,7 @@ fn report(found: Found, output: &CommonArgs) -> anyhow::Result<Outcome> {
         for (name, (header, rows)) in [("inputs.csv", &found.inputs), ("expected.csv", &found.expected)] {
             csv(&dir.join(name), header, rows.iter().map(Vec::as_slice))?;
         }
-        let drawn = figure(found.figure, &dir.join("experiment"));
+        let drawn = figure(&found.figure, &dir.join("experiment"));
         let drawn = if drawn { ", experiment.svg, experiment.png" } else { "" };
         written =
             format!("written to {}: experiment.txt, experiment.json, inputs.csv, expected.csv{drawn}", dir.display());

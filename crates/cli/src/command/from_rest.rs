@@ -45,7 +45,7 @@ pub(crate) fn run(system: &System, args: &Request<'_>, output: &CommonArgs) -> a
         write(&dir.join("from_rest.txt"), &text)?;
         write(&dir.join("from_rest.json"), &value)?;
         for (name, drawing) in from_rest_cones(&system.quantities, &found) {
-            figure(drawing, &dir.join(format!("displacements_{name}")));
+            figure(&drawing, &dir.join(format!("displacements_{name}")));
         }
     }
     print(if output.json { &value } else { &text })?;
@@ -71,7 +71,7 @@ fn cells(
         folder(dir)?;
         write(&dir.join("from_rest_map.txt"), &text)?;
         write(&dir.join("from_rest_map.json"), &value)?;
-        figure(from_rest_map_figure(&system.quantities, &found), &dir.join("from_rest_map"));
+        figure(&from_rest_map_figure(&system.quantities, &found), &dir.join("from_rest_map"));
     }
     print(if output.json { &value } else { &text })?;
     Ok(if found.is_complete() { Outcome::Done } else { Outcome::Negative })

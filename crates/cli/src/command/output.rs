@@ -3,9 +3,11 @@
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use anyhow::Context;
 use bracketry::plot::{Drawing, PlotError};
+use bracketry::report::Figure;
 use clap::Args;
 use serde::Serialize;
 
@@ -53,12 +55,65 @@ pub(crate) fn line(text: &str) -> anyhow::Result<()> {
 
 /// Saves a figure as SVG and PNG; says whether there is one. One that cannot be drawn (numbers too large for an axis) is said to be
 /// missing; the results beside it are worth keeping.
-pub(crate) fn figure(drawing: Result<Drawing, PlotError>, stem: &Path) -> bool {
-    let saved = drawing.and_then(|d| d.save(stem).map(|_| ()));
-    if let Err(e) = &saved {
-        warning(&format!("no figure {}: {e}", stem.display()));
+pub(crate) fn figure(drawing: &Result<Drawing, PlotError>, stem: &Path) -> bool {
+    let why = match drawing {
+        Ok(drawing) => drawing.save(stem).err().map(|e| e.to_string()),
+        Err(e) => Some(e.to_string()),
+    };
+    if let Some(why) = &why {
+        warning(&format!("no figure {}: {why}", stem.display()));
     }
-    saved.is_ok()
+    why.is_none()
+}
+
+/// Saves figures in a folder, and gives the files with what they show.
+pub(crate) fn save_figures(figures: &[Figure], dir: &Path) -> Vec<(String, String)> {
+    let drawn = figures.iter().filter(|f| figure(&f.drawing, &dir.join(&f.name)));
+    drawn.flat_map(|f| ["svg", "png"].map(|ending| (format!("{}.{ending}", f.name), f.caption.clone()))).collect()
+}
+
+/// Files with what is in them, for the links of a page.
+pub(crate) fn listed(files: &[(&str, &str)]) -> Vec<(String, String)> {
+    files.iter().map(|(name, what)| ((*name).to_owned(), (*what).to_owned())).collect()
+}
+
+/// The option of commands that write a page.
+#[derive(Args, Clone, Copy)]
+pub(crate) struct PageArgs {
+    /// Open the page that is written to --out in the browser
+    #[arg(long)]
+    open: bool,
+}
+
+impl PageArgs {
+    /// Before anything is computed: there is a folder for the page.
+    ///
+    /// # Errors
+    /// Without one.
+    pub(crate) fn check(self, output: &CommonArgs) -> anyhow::Result<()> {
+        anyhow::ensure!(!self.open || output.out.is_some(), "--open: no folder is given for the page; add --out DIR");
+        Ok(())
+    }
+
+    /// Opens a page, where that was asked for; if it cannot be opened, says so.
+    pub(crate) fn open(self, page: &Path) {
+        let (program, first): (&str, &[&str]) = match std::env::consts::OS {
+            "macos" => ("open", &[]),
+            "windows" => ("cmd", &["/C", "start", ""]),
+            _ => ("xdg-open", &[]),
+        };
+        if !self.open {
+            return;
+        }
+        let mut command = Command::new(program);
+        command.args(first).arg(page).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let why = match command.status() {
+            Ok(status) if status.success() => return,
+            Ok(status) => status.to_string(),
+            Err(e) => e.to_string(),
+        };
+        warning(&format!("cannot open {} with {program}: {why}", page.display()));
+    }
 }
 
 /// Makes a folder with its parents.

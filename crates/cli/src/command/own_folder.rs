@@ -54,6 +54,14 @@ impl OwnFolder {
         &self.path
     }
 
+    /// Names of the files that are in the folder now.
+    ///
+    /// # Errors
+    /// If the folder cannot be read.
+    pub(crate) fn names(&self) -> anyhow::Result<Vec<String>> {
+        contents(&self.path)
+    }
+
     /// Notes everything that is in the folder now as written by the command.
     ///
     /// # Errors

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use bracketry::report::simulation;
+use bracketry::report::{Figure, simulation};
 use bracketry::sim::{Hold, SampledScenario, Scenario, ScenarioRun, SimulationSettings};
 use bracketry::system::{Accepted, System};
 use clap::{Args, ValueEnum};
 
 use super::file_kind::{FileKind, Given};
-use super::output::{csv, figure, folder, json, line, print};
+use super::output::{PageArgs, csv, folder, json, line, listed, print, save_figures, write};
 use super::progress::spinner;
 use super::seed::seed;
 use super::{CommonArgs, Outcome};
@@ -36,6 +36,11 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
     ),
 ];
 
+/// The page with everything.
+const PAGE: &str = "simulation.html";
+/// What the table and the figure show.
+const TRAJECTORY: &str = "States, inputs, and outputs over time";
+
 /// Arguments of `simulate`.
 #[derive(Args)]
 pub(crate) struct SimulateArgs {
@@ -55,6 +60,8 @@ pub(crate) struct SimulateArgs {
     /// for `diagnose`; requires --out
     #[arg(long, value_name = "NAME=STD,…", value_delimiter = ',', value_parser = sensor, requires = "out")]
     noise: Vec<(String, f64)>,
+    #[command(flatten)]
+    page: PageArgs,
     /// Seed of the noise
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 0, requires = "noise", value_parser = seed)]
     seed: u64,
@@ -77,6 +84,7 @@ impl SimulateArgs {
 
 /// Runs the simulation and writes what it gave.
 pub(crate) fn run(args: &SimulateArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    args.page.check(output)?;
     let system = System::read_accepting(&args.model, Accepted { discrete: true, algebraic: true })?;
     let given = match (&args.scenario, &args.inputs) {
         (Some(path), _) => {
@@ -102,11 +110,19 @@ pub(crate) fn run(args: &SimulateArgs, output: &CommonArgs) -> anyhow::Result<Ou
     let mut drawn = false;
     if let Some(dir) = &output.out {
         folder(dir)?;
-        drawn = write_files(dir, &system, &given.scenario, &run)?;
+        let mut files = listed(&[("trajectory.csv", TRAJECTORY), ("events.csv", "the mode changes")]);
         if !args.noise.is_empty() {
             let columns = run.measured(&system, &args.noise, args.seed).context("--noise")?;
             write_measured(dir, &run.times, &columns)?;
+            files.extend(listed(&[("measured.csv", "what sensors with noise would have measured")]));
         }
+        let figures = write_files(dir, &system, &given.scenario, &run)?;
+        let saved = save_figures(&figures, dir);
+        drawn = !saved.is_empty();
+        files.extend(saved);
+        let page = dir.join(PAGE);
+        write(&page, &simulation::page(&system, &given, &run, &figures, &files))?;
+        args.page.open(&page);
     }
     if output.json {
         print(&json(&simulation::json(&system, &given, &run))?)?;
@@ -115,9 +131,9 @@ pub(crate) fn run(args: &SimulateArgs, output: &CommonArgs) -> anyhow::Result<Ou
         if let Some(dir) = &output.out {
             let measured = if args.noise.is_empty() { "" } else { ", measured.csv" };
             let figure = if drawn { ", trajectory.svg, trajectory.png" } else { "" };
-            line(&format!("written to {}: trajectory.csv, events.csv{figure}{measured}", dir.display()))?;
+            line(&format!("written to {}: {PAGE}, trajectory.csv, events.csv{figure}{measured}", dir.display()))?;
         } else {
-            line("(--out DIR writes trajectory, events, and plots)")?;
+            line("(--out DIR writes a page with plots, and trajectory and events as tables)")?;
         }
     }
     Ok(if run.simulation.outcome.is_finished() { Outcome::Done } else { Outcome::Negative })
@@ -142,8 +158,8 @@ fn write_measured(dir: &Path, times: &[f64], columns: &[(String, Vec<f64>)]) -> 
     csv(&dir.join("measured.csv"), &header, rows.iter().map(Vec::as_slice))
 }
 
-/// The tables and the figure; says whether there is a figure.
-fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &ScenarioRun) -> anyhow::Result<bool> {
+/// Writes the tables; gives the figures.
+fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &ScenarioRun) -> anyhow::Result<Vec<Figure>> {
     let (header, rows) = simulation::table(system, scenario, run);
     csv(&dir.join("trajectory.csv"), &header, rows.iter().map(Vec::as_slice))?;
     let events_path = dir.join("events.csv");
@@ -154,5 +170,5 @@ fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &ScenarioR
         events.write_record([&e.t.to_string(), &e.switch, e.from, e.to])?;
     }
     events.flush()?;
-    Ok(figure(simulation::figure(system, scenario, run), &dir.join("trajectory")))
+    Ok(vec![Figure::new("trajectory", TRAJECTORY, simulation::figure(system, scenario, run))])
 }

@@ -129,10 +129,10 @@ fn write_motion(dir: &Path, found: &Steering) -> anyhow::Result<Vec<&'static str
         csv(&dir.join("trajectory.csv"), &header, rows.iter().map(Vec::as_slice))?;
         written.push("trajectory.csv");
     }
-    if steering_figure(found).is_some_and(|drawing| figure(drawing, &dir.join("steering"))) {
+    if steering_figure(found).is_some_and(|drawing| figure(&drawing, &dir.join("steering"))) {
         written.push("steering.svg, steering.png");
     }
-    if steering_path(found).is_some_and(|drawing| figure(drawing, &dir.join("path"))) {
+    if steering_path(found).is_some_and(|drawing| figure(&drawing, &dir.join("path"))) {
         written.push("path.svg, path.png");
     }
     Ok(written)

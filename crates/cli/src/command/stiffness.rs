@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use bracketry::report::stiffness::{figures, json as object, markdown, text};
+use bracketry::report::stiffness::{json as object, markdown, page, text};
 use bracketry::stiffness::{
     ChosenPoses, CompensatedLog, Identification, Outliers, PayloadError, RobotFile, RobotLog, StiffnessRunError,
     TWIST_COLUMNS, WRENCH_COLUMNS, Weighing, with_springs,
@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::file_kind::{FileKind, Given};
 use super::help::guide;
-use super::output::{csv, figure, folder, json, line, print, write};
+use super::output::{PageArgs, csv, folder, json, line, listed, print, save_figures, write};
 use super::progress::spinner;
 use super::style::{error, warning};
 use super::{CommonArgs, Outcome};
@@ -122,6 +122,8 @@ pub(crate) struct TableAndRobot {
     /// Robot file (TOML)
     #[arg(value_name = "ROBOT", value_hint = clap::ValueHint::FilePath)]
     second: PathBuf,
+    #[command(flatten)]
+    page: PageArgs,
 }
 
 impl TableAndRobot {
@@ -153,19 +155,24 @@ fn process_stiffness(text: &str) -> Result<f64, String> {
 
 /// Runs a command of `stiffness`.
 pub(crate) fn run(command: &StiffnessCommand, output: &CommonArgs) -> anyhow::Result<Outcome> {
-    match command {
+    let (StiffnessCommand::Identify { files, .. }
+    | StiffnessCommand::Poses { files, .. }
+    | StiffnessCommand::Weigh { files }
+    | StiffnessCommand::Compensate { files, .. }) = command;
+    files.page.check(output)?;
+    let (outcome, page) = match command {
         StiffnessCommand::Identify { files, keep_outliers } => {
             let (data, robot) = files.sorted()?;
             let outliers = if *keep_outliers { Outliers::Keep } else { Outliers::Reject };
-            identify(data, robot, outliers, output)
+            (identify(data, robot, outliers, output)?, "identification.html")
         }
         StiffnessCommand::Poses { files, count } => {
             let (candidates, robot) = files.sorted()?;
-            poses(candidates, robot, *count, output)
+            (poses(candidates, robot, *count, output)?, "poses.html")
         }
         StiffnessCommand::Weigh { files } => {
             let (readings, robot) = files.sorted()?;
-            weigh(readings, robot, output)
+            (weigh(readings, robot, output)?, "weighing.html")
         }
         StiffnessCommand::Compensate { files, process_stiffness } => {
             let (log, robot) = files.sorted()?;
@@ -177,9 +184,15 @@ pub(crate) fn run(command: &StiffnessCommand, output: &CommonArgs) -> anyhow::Re
                     anyhow::bail!("{} numbers for --process-stiffness; give one, or three as 5e4,5e4,1e4", other.len())
                 }
             };
-            compensate(log, robot, process, output)
+            (compensate(log, robot, process, output)?, "compensation.html")
         }
+    };
+    // Readings that do not determine a payload have no page.
+    let is_written = outcome == Outcome::Done || !matches!(command, StiffnessCommand::Weigh { .. });
+    if let Some(dir) = output.out.as_ref().filter(|_| is_written) {
+        files.page.open(&dir.join(page));
     }
+    Ok(outcome)
 }
 
 fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &CommonArgs) -> anyhow::Result<Outcome> {
@@ -191,6 +204,11 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &CommonArgs) 
         write(&dir.join("identification.json"), &json(&object::identification(&found))?)?;
         write(&dir.join("identification.txt"), &text::identification(&found))?;
         write(&dir.join("identification.md"), &markdown::identification(&found))?;
+        let mut files = listed(&[
+            ("identification.txt", "the report as text"),
+            ("identification.md", "the same as Markdown"),
+            ("identification.json", "all results, for programs"),
+        ]);
         if let Some(why) = &found.withheld {
             warning(&format!("no identified.toml: {}", text::withheld(why)));
         }
@@ -198,15 +216,16 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &CommonArgs) 
             let old = std::fs::read_to_string(robot).with_context(|| format!("cannot read {}", robot.display()))?;
             // The springs are in the report, whether they go into the file or not.
             match with_springs(&robot.display().to_string(), &old, springs) {
-                Ok(changed) => write(&dir.join("identified.toml"), &changed)?,
+                Ok(changed) => {
+                    write(&dir.join("identified.toml"), &changed)?;
+                    files.extend(listed(&[("identified.toml", "the robot file with these springs")]));
+                }
                 Err(e) => warning(&format!("no identified.toml: {e}")),
             }
         }
-        for (drawing, name) in [(figures::stiffness(&found), "stiffness"), (figures::residuals(&found), "residuals")] {
-            if let Some(drawing) = drawing {
-                figure(drawing, &dir.join(name));
-            }
-        }
+        let figures = page::identification_figures(&found);
+        files.extend(save_figures(&figures, dir));
+        write(&dir.join("identification.html"), &page::identification_page(&found, &figures, &files))?;
     }
     progress.finish_and_clear();
     let files = if found.springs.is_some() {
@@ -230,6 +249,12 @@ fn poses(candidates: &Path, robot: &Path, count: usize, output: &CommonArgs) -> 
         let q = (1..=file.robot.joints.len()).map(|i| format!("q{i}"));
         let header: Vec<String> = q.chain(WRENCH_COLUMNS.map(String::from)).collect();
         csv(&dir.join("poses.csv"), &header, found.rows.iter().map(Vec::as_slice))?;
+        let files = listed(&[
+            ("poses.csv", "the chosen rows"),
+            ("poses.txt", "the report as text"),
+            ("poses.json", "all results, for programs"),
+        ]);
+        write(&dir.join("poses.html"), &page::poses_page(&found, &files))?;
     }
     progress.finish_and_clear();
     report(&text::chosen_poses(&found), &object::chosen_poses(&found), output, "the chosen rows as a table")?;
@@ -250,6 +275,12 @@ fn weigh(readings: &Path, robot: &Path, output: &CommonArgs) -> anyhow::Result<O
         write(&dir.join("weighing.json"), &json(&object::weighing(&found))?)?;
         write(&dir.join("weighing.txt"), &text::weighing(&found))?;
         write(&dir.join("payload.toml"), &text::payload_table(&found.estimate.payload))?;
+        let files = listed(&[
+            ("payload.toml", "the payload for the robot file"),
+            ("weighing.txt", "the report as text"),
+            ("weighing.json", "all results, for programs"),
+        ]);
+        write(&dir.join("weighing.html"), &page::weighing_page(&found, &files))?;
     }
     report(&text::weighing(&found), &object::weighing(&found), output, "the table [payload]")?;
     Ok(Outcome::Done)
@@ -284,7 +315,14 @@ fn compensate(log: &Path, robot: &Path, process: Option<[f64; 3]>, output: &Comm
         write(&dir.join("compensation.json"), &json(&object::compensated_log(&run))?)?;
         write(&dir.join("compensation.txt"), &text::compensated_log(&run))?;
         write_rows(&dir.join("compensation.csv"), &run)?;
-        figure(figures::compensated_log(&run), &dir.join("compensation"));
+        let mut files = listed(&[
+            ("compensation.csv", "the corrected references over time"),
+            ("compensation.txt", "the report as text"),
+            ("compensation.json", "all results, for programs"),
+        ]);
+        let figures = page::compensation_figures(&run);
+        files.extend(save_figures(&figures, dir));
+        write(&dir.join("compensation.html"), &page::compensation_page(&run, &figures, &files))?;
     }
     progress.finish_and_clear();
     let files = "the corrected references and a figure";

@@ -16,6 +16,8 @@ use bracketry::report::Figure;
 use bracketry::report::{friction_bands, friction_colors};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Name of the map from rest to rest.
+pub(super) const MAP: &str = "from_rest_map";
 /// Chapters.
 pub(super) const CHAPTERS: usize = 6;
 /// Milliseconds between two points of a curve, and two images of an animation.
@@ -67,7 +69,7 @@ fn end_of_contact(stopped: Option<&AreaOutcome>) -> Option<&'static str> {
 }
 
 fn figure(name: &str, caption: &str, drawing: Result<Drawing, PlotError>) -> Figure {
-    Figure { name: name.to_owned(), caption: caption.to_owned(), drawing }
+    Figure::new(name, caption, drawing)
 }
 
 impl MoveOnEquations {
@@ -182,7 +184,7 @@ impl Story {
         let caption = "Coordinates that inputs change from rest to rest, over the largest acceleration of the plate (m/s²) and its largest \
                        tilt (rad).";
         first.push(figure(
-            "from_rest_map",
+            MAP,
             caption,
             bracketry::report::from_rest::from_rest_map_figure(&self.published.quantities, &self.from_rest),
         ));
@@ -275,8 +277,8 @@ impl Story {
         moves
             .into_par_iter()
             .map(|(name, chapter, title, animation)| {
-                let gif = animation.title(title).gif()?;
-                Ok(StoryAnimation { name, chapter, title, gif })
+                let animation = animation.title(title);
+                Ok(StoryAnimation { name, chapter, title, gif: animation.gif()?, still: animation.still()? })
             })
             .collect()
     }

@@ -1,11 +1,14 @@
 //! The story as one page that needs nothing else.
 
-use std::fmt::Write as _;
-
+use super::figures::MAP;
+use super::on_plant::MoveOnPlant;
 use super::story::{Story, StoryAnimation};
-use super::text;
+use super::text::{self, LOOPS, METHODS};
+use bracketry::report::Figure;
 use bracketry::report::from_rest::from_rest_map_text;
-use bracketry::report::html::{self, equations, escaped, heading, paragraph, table, verbatim};
+use bracketry::report::html::{
+    self, Chapter, Page, equations, escaped, folded, paragraph, paragraphs, table, verbatim,
+};
 
 /// What each chapter does, in a sentence.
 const OPENINGS: [&str; 6] = [
@@ -24,58 +27,101 @@ const OPENINGS: [&str; 6] = [
 ];
 
 impl Story {
-    /// The story as an HTML page with figures, tables, formulas and these animations; it needs no network and no other file.
-    pub fn page(&self, animations: &[StoryAnimation]) -> String {
-        let mut body = heading(1, self.title());
-        body += &paragraph(text::OPENING.trim_end());
-        let _ = writeln!(body, "<p class=\"verdict\">{}</p>", escaped(&self.verdict()));
-        body += &paragraph("On the true plant, with each model in the controller:");
-        body += &self.table();
-        let figures = self.chapters();
+    /// The story as an HTML page with figures, tables, formulas and these animations, and links to these files beside it; it needs no
+    /// network and no other file.
+    pub fn page(&self, animations: &[StoryAnimation], files: &[String]) -> String {
+        let mut figures = self.chapters();
+        // What it comes to: both models on the true plant.
+        let first = [5, 2].into_iter().find_map(|k: usize| figures[k].pop());
+        let lead = format!("<p class=\"verdict\">{}</p>\n", escaped(&self.verdict()))
+            + &html::figures(&first)
+            + &self.table()
+            + &paragraphs(text::OPENING);
+        let film = |chapter: usize| -> String {
+            let films = animations.iter().filter(|a| a.chapter == chapter);
+            films.map(|a| html::animation(&a.gif, &a.still, &format!("{}, in real time.", a.title))).collect()
+        };
+        let whole = "Everything that the command prints of this";
+        let drawn = |k: usize| html::gallery(&figures[k]);
+        let moved = |chapter: usize, moved: &MoveOnPlant| {
+            paragraph(&moved.outcome())
+                + &of_rows("Final errors", LOOPS, moved.errors())
+                + &film(chapter)
+                + &drawn(chapter - 1)
+                + &verbatim(whole, &moved.to_string())
+        };
+        let m = &self.on_equations;
+        let second =
+            of_rows("Final errors", METHODS, m.errors()) + &film(2) + &drawn(1) + &verbatim(whole, &m.to_string());
+        let ranks = text::of_ranks(self.diagnosis.ranks.as_ref(), self.diagnosis.report.evidence.model.is_some());
+        let sixth = match &self.extended {
+            Some(extended) => moved(6, extended),
+            None => paragraph("There is no extended model."),
+        };
         let contents = [
-            self.first(),
-            verbatim(&self.on_equations.to_string()),
-            verbatim(&self.as_published.to_string()),
-            verbatim(&text::of_logs(&self.logs)) + &self.diagnosis.section(&figures[3], 3),
-            verbatim(&text::of_ranks(self.diagnosis.ranks.as_ref(), self.diagnosis.report.evidence.model.is_some())),
-            self.extended.as_ref().map_or_else(
-                || paragraph("There is no extended model."),
-                |moved| verbatim(&moved.to_string()) + &self.table(),
-            ),
+            String::new(),
+            second,
+            moved(3, &self.as_published),
+            verbatim("The logs", &text::of_logs(&self.logs)) + &self.diagnosis.verdict(),
+            drawn(4) + &verbatim(whole, &ranks),
+            sixth,
         ];
         let titles = [text::FIRST, text::SECOND, text::THIRD, text::FOURTH, text::FIFTH, text::SIXTH];
-        for (k, content) in contents.into_iter().enumerate() {
-            body += &heading(2, titles[k].trim_end());
-            body += &paragraph(OPENINGS[k]);
-            body += &content;
-            for film in animations.iter().filter(|a| a.chapter == k + 1) {
-                body += &html::animation(&film.gif, &format!("{}, in real time.", film.title));
+        let chapters = contents.into_iter().enumerate().map(|(k, content)| {
+            let chapter = Chapter::new(titles[k].trim_end(), paragraph(OPENINGS[k]) + &content);
+            match k {
+                0 => chapter.parts(self.first(&figures[0])),
+                3 => chapter.parts(self.diagnosis.chapters(&figures[3])),
+                _ => chapter,
             }
-            if k != 3 {
-                body += &html::figures(&figures[k]);
-            }
-        }
-        html::page(self.title(), &body)
+        });
+        let files = (!files.is_empty()).then(|| Chapter::files(files.iter().map(|name| (name, what(name)))));
+        Page::new(self.title(), lead).chapters(chapters).chapters(files).html()
     }
 
-    fn first(&self) -> String {
+    fn first(&self, figures: &[Figure]) -> [Chapter; 4] {
         let affine = &self.analysis.affinization.system;
-        heading(3, "The published equations")
-            + &equations(&self.published)
-            + &heading(3, "Affine in its inputs")
-            + &equations(affine)
-            + &heading(3, "What the inputs reach")
-            + &verbatim(&bracketry::report::analysis::text(&self.analysis))
-            + &heading(3, "What changes from rest to rest")
-            + &paragraph(
-                "At rest, dry friction balances small inputs. A coordinate changes only if inputs within the bounds lead out of the friction \
-                 cone, and then loops of the inputs move it both ways.",
-            )
-            + &verbatim(&from_rest_map_text(&self.from_rest))
+        let (map, others): (Vec<&Figure>, Vec<_>) = figures.iter().partition(|f| f.name == MAP);
+        let said = bracketry::report::analysis::text(&self.analysis);
+        let reach = html::gallery(others) + &verbatim("Everything that the analysis says", &said);
+        let rest = paragraph(
+            "At rest, dry friction balances small inputs. A coordinate changes only if inputs within the bounds lead out of the friction \
+             cone, and then loops of the inputs move it both ways.",
+        ) + &html::figures(map)
+            + &verbatim("Where the answers change", &from_rest_map_text(&self.from_rest));
+        [
+            Chapter::new("The published equations", equations(&self.published)),
+            Chapter::new(
+                "Affine in its inputs",
+                folded("The equations with integrators in front of the inputs", &equations(affine)),
+            ),
+            Chapter::new("What the inputs reach", reach),
+            Chapter::new("What changes from rest to rest", rest),
+        ]
     }
 
     fn table(&self) -> String {
-        let rows = self.comparison().into_iter().map(|row| row.map(|cell| escaped(&cell)).to_vec());
-        table(&["", "published model", "extended model"], rows)
+        of_rows(
+            "On the true plant, with each model in the controller",
+            ["", "published model", "extended model"],
+            self.comparison(),
+        )
+    }
+}
+
+/// A table of plain text.
+fn of_rows<const N: usize>(name: &str, header: [&str; N], rows: impl IntoIterator<Item = [String; N]>) -> String {
+    table(name, &header, rows.into_iter().map(|row| row.map(|cell| escaped(&cell)).to_vec()))
+}
+
+/// What is in a file of the command, by its ending.
+fn what(name: &str) -> &'static str {
+    match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
+        "csv" => "a log or a trajectory",
+        "svg" | "png" => "a figure",
+        "gif" => "an animation",
+        "toml" => "a model",
+        "json" => "results for programs",
+        _ => "a report as text",
     }
 }

@@ -56,4 +56,6 @@ pub struct StoryAnimation {
     pub title: &'static str,
     /// The images.
     pub gif: Vec<u8>,
+    /// The last image as a PNG.
+    pub still: Vec<u8>,
 }

@@ -26,28 +26,37 @@ pub(super) const FOURTH: &str = "4. What the published model gets wrong\n";
 pub(super) const FIFTH: &str = "5. What the extended model changes in what the inputs reach\n";
 pub(super) const SIXTH: &str = "6. Control of the true plant with the extended model\n";
 
-impl fmt::Display for MoveOnEquations {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl MoveOnEquations {
+    /// Time to the target and final errors: what, together, in two steps.
+    pub(super) fn errors(&self) -> [[String; 3]; 5] {
         let seconds = |t: Option<f64>| t.map_or("not reached".to_owned(), |t| format!("{t:.2} s"));
         let value = |v: Option<f64>, unit: &str| v.map_or("–".to_owned(), |v| format!("{v:+.2}{unit}"));
         let (a, [x, y, phi]) = (&self.arrival, self.two_step_errors());
         let mm = |v: Option<f64>| value(v.map(|v| 1e3 * v), " mm");
         let spin = |v: f64| value(Some(v), " °/s");
-        let rows = [
-            [String::new(), "together (MPC)".to_owned(), "two steps".to_owned()],
+        [
             ["time to target".to_owned(), seconds(a.settled_s), seconds(self.two_step_time())],
             ["error in x".to_owned(), mm(Some(a.x_m)), mm(x)],
             ["error in y".to_owned(), mm(Some(a.y_m)), mm(y)],
             ["error in yaw".to_owned(), value(Some(a.phi_deg), "°"), value(phi, "°")],
             ["remaining spin".to_owned(), spin(a.spin_deg_s), spin(self.two.remaining_spin.to_degrees())],
-        ];
+        ]
+    }
+}
+
+/// Header of a table of both methods.
+pub(super) const METHODS: [&str; 3] = ["", "together (MPC)", "two steps"];
+
+impl fmt::Display for MoveOnEquations {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let a = &self.arrival;
         let report = &self.together.run.report;
         if let Some(p) = &report.plan {
             writeln!(f, "plan: {} after {} quadratic programs in {:.2} s\n", p.status, p.programs, p.seconds)?;
         }
         writeln!(f, "{}", duration(self.shortest_s(), self.problem.ocp.steps as f64 * self.problem.ocp.dt))?;
         writeln!(f, "Final errors on the same plant with exact set-valued friction:\n")?;
-        for r in rows {
+        for r in std::iter::once(METHODS.map(str::to_owned)).chain(self.errors()) {
             writeln!(f, "  {:<16} {:>16} {:>16}", r[0], r[1], r[2])?;
         }
         writeln!(f)?;
@@ -91,6 +100,33 @@ impl fmt::Display for MoveOnEquations {
     }
 }
 
+impl MoveOnPlant {
+    /// Final errors: what, closed loop, open loop.
+    pub(super) fn errors(&self) -> [[String; 3]; 4] {
+        let (a, p) = (&self.arrival, &self.plan_arrival);
+        let row = |what: &str, closed: f64, alone: f64, unit: &str| {
+            [what.to_owned(), format!("{closed:+.2}{unit}"), format!("{alone:+.2}{unit}")]
+        };
+        [
+            row("error in x", 1e3 * a.x_m, 1e3 * p.x_m, " mm"),
+            row("error in y", 1e3 * a.y_m, 1e3 * p.y_m, " mm"),
+            row("error in yaw", a.phi_deg, p.phi_deg, "°"),
+            row("remaining spin", a.spin_deg_s, p.spin_deg_s, " °/s"),
+        ]
+    }
+
+    /// Whether the target is reached, and from when on.
+    pub(super) fn outcome(&self) -> String {
+        match self.arrival.settled_s.filter(|_| self.reached()) {
+            Some(t) => format!("Reached: within ± 2 mm and ± 2° of the target from {t:.2} s on."),
+            None => "Not reached: the object does not come to rest within ± 2 mm and ± 2° of its target.".to_owned(),
+        }
+    }
+}
+
+/// Header of a table of both loops.
+pub(super) const LOOPS: [&str; 3] = ["", "closed loop", "open loop"];
+
 impl fmt::Display for MoveOnPlant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
@@ -98,15 +134,9 @@ impl fmt::Display for MoveOnPlant {
             "Final errors with predictions by the {}, on the plant with contact over the whole footprint:\n",
             self.model
         )?;
-        writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "open loop")?;
-        let (a, p) = (&self.arrival, &self.plan_arrival);
-        let mut row = |what: &str, closed: f64, alone: f64, unit: &str| {
-            writeln!(f, "  {what:<16} {:>16} {:>16}", format!("{closed:+.2}{unit}"), format!("{alone:+.2}{unit}"))
-        };
-        row("error in x", 1e3 * a.x_m, 1e3 * p.x_m, " mm")?;
-        row("error in y", 1e3 * a.y_m, 1e3 * p.y_m, " mm")?;
-        row("error in yaw", a.phi_deg, p.phi_deg, "°")?;
-        row("remaining spin", a.spin_deg_s, p.spin_deg_s, " °/s")?;
+        for r in std::iter::once(LOOPS.map(str::to_owned)).chain(self.errors()) {
+            writeln!(f, "  {:<16} {:>16} {:>16}", r[0], r[1], r[2])?;
+        }
         let c = &self.run.report.status;
         let plan = self.run.report.plan.as_ref();
         if let Some(plan) = plan {
@@ -134,12 +164,7 @@ impl fmt::Display for MoveOnPlant {
                 writeln!(f, "  The {what} ends early: {reason}. Its errors are those at that time.")?;
             }
         }
-        match a.settled_s.filter(|_| self.reached()) {
-            Some(t) => writeln!(f, "  Reached: within ± 2 mm and ± 2° of the target from {t:.2} s on."),
-            None => {
-                writeln!(f, "  Not reached: the object does not come to rest within ± 2 mm and ± 2° of its target.")
-            }
-        }
+        writeln!(f, "  {}", self.outcome())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use crate::common::pages::assert_page;
 use crate::common::{bracketry, code, file, json, scratch};
 use bracketry_trials::{Slider, SliderEffect, SliderSensors};
 use rand::SeedableRng;
@@ -29,8 +30,8 @@ fn a_hidden_slope_is_found_and_the_extended_model_goes_into_the_controller() {
         assert!(fs::metadata(out.join(name)).unwrap().len() > 0, "{name}");
     }
     let page = fs::read_to_string(out.join("diagnosis.html")).unwrap();
-    assert!(page.contains("<svg") && page.contains("<math>"));
-    assert!(!page.contains("src=") && !page.contains("href="), "the page stands alone");
+    assert!(page.contains("<svg") && page.contains("<math>") && page.contains("href=\"extended.toml\""));
+    assert_page(&page, Some(&out));
 
     // The loop on the plant as it really is, the extended model in the controller.
     let truth = &log.truth;

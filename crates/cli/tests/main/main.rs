@@ -23,6 +23,7 @@ mod limits;
 mod live;
 mod mistakes;
 mod operating_point;
+mod pages;
 mod parameters;
 mod plate_bearing;
 mod plate_command;

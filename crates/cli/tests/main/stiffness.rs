@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::fs;
 
+use crate::common::pages::assert_page;
 use crate::common::{
     bracketry, code, file, json, model,
     robots::{HEADER, log, measured, measured_at, measurements, unknown},
@@ -270,6 +271,7 @@ fn the_payload_is_weighed_from_readings_at_rest() {
     let (data, out) = (file(&dir, "rest.csv", &readings(&wrists, 1.0)), dir.join("out"));
     let v = json(&["stiffness", "weigh", &data, &model("kr125.toml"), "--json", "--out", out.to_str().unwrap()]);
     assert!((v["mass"][0].as_f64().unwrap() - 12.0).abs() < 1e-6);
+    assert_page(&fs::read_to_string(out.join("weighing.html")).unwrap(), Some(&out));
     // What it writes is what the robot file had.
     let text = fs::read_to_string(model("kr125.toml")).unwrap();
     let (before, after) = (text.find("[payload]").unwrap(), text.find("[noise]").unwrap());

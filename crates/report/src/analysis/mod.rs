@@ -1,4 +1,4 @@
-//! What inputs reach and outputs tell, and affine forms: as text, Markdown, LaTeX, JSON and figures.
+//! What inputs reach and outputs tell, and affine forms: as text, Markdown, LaTeX, JSON, figures, and a page.
 
 pub(crate) mod affinization;
 mod document;
@@ -6,6 +6,7 @@ mod feedback_text;
 mod figures;
 mod json;
 mod lists;
+mod page;
 pub(crate) mod summary;
 pub(crate) mod text;
 
@@ -13,5 +14,6 @@ pub use affinization::{AffinizationReport, InputChange, candidates, changes, met
 pub use document::{latex, markdown};
 pub use figures::{growth_figure, reach_figure};
 pub use json::{AnalysisJson, json};
+pub use page::{figures, page};
 pub use summary::summary;
 pub use text::{report_text, text};

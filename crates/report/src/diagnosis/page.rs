@@ -8,64 +8,73 @@ use bracketry_system::TimeUnit;
 use super::Diagnosis;
 use super::ranks::rank_change_text;
 use super::sentences::{self, closeness, reason, regime};
-use crate::html::{self, Figure, equations, escaped, heading, paragraph, percent, symbol, table, verbatim};
+use crate::html::{
+    self, Chapter, Figure, Page, equations, escaped, folded, list, paragraph, percent, symbol, table, verbatim, wide,
+};
 
 impl Diagnosis {
-    /// The report as an HTML page with the given figures in it; it needs no network and no other file.
-    pub fn page(&self, figures: &[Figure]) -> String {
+    /// The report as an HTML page with the given figures in it, and links to these files beside it; it needs no network and no other file.
+    pub fn page(&self, figures: &[Figure], files: &[(String, String)]) -> String {
         let report = &self.report;
-        let title = format!("{}: {}", report.model, report.verdict);
-        html::page(&title, &(heading(1, &report.model) + &self.section(figures, 2)))
+        let (first, others) = figures.split_at(figures.len().min(1));
+        let lead = self.verdict() + &html::figures(first);
+        let page = Page::new(format!("{}: {}", report.model, report.verdict), lead);
+        let files = (!files.is_empty()).then(|| Chapter::files(files.iter().map(|(name, what)| (name, what))));
+        page.chapters(self.chapters(others)).chapters(files).html()
     }
 
-    /// The same as a part of a page, with headings from this level on.
-    pub fn section(&self, figures: &[Figure], level: usize) -> String {
+    /// The verdict with its reason.
+    pub fn verdict(&self) -> String {
         let report = &self.report;
-        let mut out = format!(
-            "<p class=\"verdict\"><strong>{}</strong>: {}.</p>\n",
-            report.verdict,
-            escaped(&reason(&report.reason))
-        );
-        for cause in &report.causes {
-            out += &of_cause(cause);
+        format!("<p class=\"verdict\"><strong>{}</strong>: {}.</p>\n", report.verdict, escaped(&reason(&report.reason)))
+    }
+
+    /// What stands below the verdict, with the given figures in it.
+    pub fn chapters(&self, figures: &[Figure]) -> Vec<Chapter> {
+        let report = &self.report;
+        let mut out = Vec::new();
+        if !report.causes.is_empty() {
+            out.push(Chapter::new("Causes", "").parts(report.causes.iter().map(of_cause)));
         }
-        if let Some(gain) = &report.gain {
-            out += &of_gain(gain, report.quantities.time_unit, level);
-        }
-        let pictures = html::figures(figures);
+        out.extend(report.gain.as_ref().map(|gain| of_gain(gain, report.quantities.time_unit)));
+        let pictures = html::gallery(figures);
         if !pictures.is_empty() {
-            out += &(heading(level, "Figures") + &pictures);
+            out.push(Chapter::new("Figures", pictures));
         }
-        out += &tables(report, level);
-        out += &self.model(level);
-        out + &data(report, level)
+        out.extend(tables(report));
+        out.extend(self.model());
+        out.extend(data(report));
+        if !self.next_experiments.is_empty() {
+            let commands = self.next_experiments.iter().map(|next| {
+                let purpose = format!("To distinguish {} from {}:", next.cause, next.rival);
+                paragraph(&purpose) + &format!("<p><code>{}</code></p>\n", escaped(&next.command))
+            });
+            out.push(Chapter::new("Next experiments", commands.collect::<String>()));
+        }
+        out
     }
 
     /// The equations of the extended model, what they change in the analysis, and the model file.
-    fn model(&self, level: usize) -> String {
-        let Some(model) = &self.report.evidence.model else { return String::new() };
-        let mut out = heading(level, "The extended model") + &equations(&model.system);
+    fn model(&self) -> Option<Chapter> {
+        let model = self.report.evidence.model.as_ref()?;
+        let mut out = equations(&model.system);
         for note in &model.notes {
             out += &paragraph(&format!("{note}."));
         }
         if let Ok(text) = model.to_toml() {
-            out += &(paragraph("As a model file:") + &verbatim(&text));
+            out += &verbatim("The model file", &text);
         }
         if let Some(ranks) = &self.ranks {
-            out += &verbatim(&rank_change_text(ranks));
+            out += &verbatim("What it changes in what the inputs reach", &rank_change_text(ranks));
         }
-        out
+        Some(Chapter::new("The extended model", out))
     }
 }
 
-fn of_cause(cause: &NamedCause) -> String {
-    let title = cause.name.words();
-    let mut out = format!(
-        "<div class=\"cause\"><h4>{} in the equation of {}</h4>\n<p>{}</p>\n<ul>",
-        escaped(&title),
-        symbol(&cause.equation),
-        cause.term.notation().mathml()
-    );
+fn of_cause(cause: &NamedCause) -> Chapter {
+    let title = format!("{} in the equation of {}", cause.name.words(), cause.equation);
+    let term = format!("<div class=\"cause\">{}</div>\n", wide(&title, &cause.term.notation().mathml()));
+    let mut out = "<ul>".to_owned();
     for (name, value) in cause.parameters.iter() {
         let _ = write!(out, "<li>{} = {}</li>", symbol(name), escaped(&value.to_string()));
     }
@@ -89,11 +98,11 @@ fn of_cause(cause: &NamedCause) -> String {
             let name = rival.name.words();
             let _ = write!(
                 out,
-                "<li>{} in {}: {} ({})</li>",
+                "<li>{} in {} ({}): {}</li>",
                 escaped(&name),
                 symbol(&rival.equation),
-                rival.term.notation().mathml(),
-                escaped(&closeness(rival.closeness))
+                escaped(&closeness(rival.closeness)),
+                wide(&format!("Term of {name} in {}", rival.equation), &rival.term.notation().mathml())
             );
         }
         out += "</ul>";
@@ -101,10 +110,10 @@ fn of_cause(cause: &NamedCause) -> String {
     if !cause.separating_experiment.is_empty() {
         let _ = write!(out, "<p>To distinguish them: {}</p>", escaped(&cause.separating_experiment));
     }
-    out + "</div>\n"
+    Chapter::new(title, term + &folded("Parameters and evidence", &out))
 }
 
-fn of_gain(gain: &Gain, time: TimeUnit, level: usize) -> String {
+fn of_gain(gain: &Gain, time: TimeUnit) -> Chapter {
     let data = if gain.held_out { "held-out data" } else { "the data of the fit" };
     let rows = (0..gain.horizons_s.len()).map(|k| {
         vec![
@@ -115,28 +124,31 @@ fn of_gain(gain: &Gain, time: TimeUnit, level: usize) -> String {
             gain.predictions[k].to_string(),
         ]
     });
-    let mut out = heading(level, &format!("Gain on {data}")) + &paragraph(&gain.metric);
+    let mut out = paragraph(&gain.metric);
     if gain.horizons_s.is_empty() {
         out += &paragraph("No predictions: the horizons exceed the held-out data.");
     } else {
-        out += &table(&["horizon", "as given", "refitted", "extended", "predictions"], rows);
+        out += &table("Errors of prediction", &["horizon", "as given", "refitted", "extended", "predictions"], rows);
     }
     if let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after) {
         let (before, after) = (percent(before), percent(after));
         out += &paragraph(&format!("Force error relative to the applied force: {before} before, {after} after."));
     }
-    out
+    Chapter::new(format!("Gain on {data}"), out)
 }
 
-fn tables(report: &Report, level: usize) -> String {
-    let mut out = String::new();
+fn tables(report: &Report) -> Vec<Chapter> {
+    let mut out = Vec::new();
+    let mut add = |title: &str, header: &[&str], rows: Vec<Vec<String>>| {
+        out.push(Chapter::new(title, table(title, header, rows)));
+    };
     if !report.places.is_empty() {
         let rows = report.places.iter().chain(&report.regimes).map(|p| {
             let time = p.time.map_or_else(String::new, percent);
             vec![symbol(&p.equation), escaped(&regime(&p.regime)), percent(p.share), time]
         });
-        out += &heading(level, "Where the refitted model is wrong");
-        out += &table(&["equation", "when", "share of the excess", "share of the time"], rows);
+        let header = ["equation", "when", "share of the excess", "share of the time"];
+        add("Where the refitted model is wrong", &header, rows.collect());
     }
     if !report.parameters.is_empty() {
         let rows = report.parameters.iter().map(|p| {
@@ -152,8 +164,8 @@ fn tables(report: &Report, level: usize) -> String {
                 escaped(&p.unit),
             ]
         });
-        out += &heading(level, "Parameters, refitted");
-        out += &table(&["parameter", "before", "after", "std", "95 %", "unit"], rows);
+        let header = ["parameter", "before", "after", "std", "95 %", "unit"];
+        add("Parameters, refitted", &header, rows.collect());
     }
     if !report.candidates.is_empty() {
         let rows = report.candidates.iter().map(|c| {
@@ -168,26 +180,23 @@ fn tables(report: &Report, level: usize) -> String {
                 escaped(&p_value(c.p_value)),
             ]
         });
-        out += &heading(level, "Candidates, each alone");
-        out += &table(&["", "candidate", "in", "term", "explains", "95 %", "p"], rows);
+        let header = ["", "candidate", "in", "term", "explains", "95 %", "p"];
+        add("Candidates, each alone", &header, rows.collect());
     }
     out
 }
 
-fn data(report: &Report, level: usize) -> String {
-    let mut out = String::new();
+fn data(report: &Report) -> Vec<Chapter> {
+    let mut out = Vec::new();
     if !report.data.is_empty() {
-        out += &heading(level, "Data");
-        for audit in &report.data {
-            out += &verbatim(&audit.to_string());
-        }
+        let audits = report
+            .data
+            .iter()
+            .map(|audit| verbatim(&format!("Columns and noise of {}", audit.name), &audit.to_string()));
+        out.push(Chapter::new("Data", audits.collect::<String>()));
     }
     if !report.notes.is_empty() {
-        out += &(heading(level, "Notes") + "<ul>");
-        for note in &report.notes {
-            let _ = write!(out, "<li>{}</li>", escaped(&sentences::note(note)));
-        }
-        out += "</ul>\n";
+        out.push(Chapter::new("Notes", list(report.notes.iter().map(sentences::note))));
     }
     out
 }

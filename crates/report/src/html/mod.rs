@@ -1,39 +1,16 @@
-//! Pages that need no network and no other file: one style, and the pieces that they are made of.
+//! Pages that need no network and no other file: one frame, and the pieces that they are made of.
+
+mod equations;
+mod figure;
+mod page;
 
 use std::fmt::Write as _;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use bracketry_plot::{Drawing, PlotError};
 use bracketry_symbolic::Notation;
-use bracketry_system::System;
 
-use crate::notation::rate;
-
-const STYLE: &str = "\
-body{font:16px/1.5 system-ui,sans-serif;color:#262626;max-width:52rem;margin:2rem auto;padding:0 1rem}\
-h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.2rem;margin-top:2.2rem;border-bottom:1px solid #ccc}\
-h3{font-size:1.05rem;margin-top:1.6rem}\
-table{border-collapse:collapse;margin:.6rem 0}td,th{padding:.2rem .8rem .2rem 0;text-align:left;vertical-align:top}\
-th{border-bottom:1px solid #262626;font-weight:600}td{border-bottom:1px solid #e4e4e4}\
-.verdict{font-size:1.15rem}.cause{border-left:4px solid #0072b2;padding-left:1rem;margin:1.2rem 0}\
-.cause h4{font-size:1rem;margin:.2rem 0}math{font-size:1.1em}mi[mathvariant]{padding:0 .12em}figure{margin:1.2rem 0;break-inside:avoid}\
-figure svg,figure img{max-width:100%;height:auto}figcaption{color:#555;font-size:.9rem}.wide{overflow-x:auto}\
-pre{background:#f5f5f5;padding:.8rem;overflow-x:auto;font-size:.75rem;white-space:pre-wrap}\
-code{overflow-wrap:anywhere}\
-@media screen and (max-width:45rem){figure{overflow-x:auto}figure svg,figure img{max-width:none;width:44rem}\
-pre{white-space:pre}}\
-@media print{body{margin:0;max-width:none}h2{break-after:avoid}pre,table{break-inside:avoid}}";
-
-/// A figure with what is to be said about it.
-pub struct Figure {
-    /// Name of its files, without ending.
-    pub name: String,
-    /// What it shows.
-    pub caption: String,
-    /// The figure, or why it cannot be drawn.
-    pub drawing: Result<Drawing, PlotError>,
-}
+pub use equations::{equations, model};
+pub use figure::{Figure, animation, figures, gallery};
+pub use page::{Chapter, Page};
 
 /// Text in which no sign has a meaning of its own in HTML.
 pub fn escaped(text: &str) -> String {
@@ -45,78 +22,69 @@ pub fn symbol(name: &str) -> String {
     Notation::symbol(name).mathml()
 }
 
-/// A page with this title and body.
-pub fn page(title: &str, body: &str) -> String {
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width\"><title>{0}</title><style>{STYLE}</style></head><body>\n\
-         {body}</body></html>\n",
-        escaped(title)
-    )
-}
-
-/// A heading of a level from 1 to 6.
-pub fn heading(level: usize, text: &str) -> String {
-    format!("<h{level}>{}</h{level}>\n", escaped(text))
-}
-
 /// A paragraph of plain text.
 pub fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escaped(text))
 }
 
-/// Text as it stands, in lines of its own.
-pub fn verbatim(text: &str) -> String {
-    format!("<pre>{}</pre>\n", escaped(text))
+/// Paragraphs of a text that is broken into lines; an empty line ends one.
+pub fn paragraphs(text: &str) -> String {
+    text.split("\n\n")
+        .map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "))
+        .map(|part| paragraph(&part))
+        .collect()
+}
+
+/// Items of plain text; nothing without any.
+pub fn list<S: AsRef<str>>(items: impl IntoIterator<Item = S>) -> String {
+    let items: Vec<String> = items.into_iter().map(|item| escaped(item.as_ref())).collect();
+    if items.is_empty() { String::new() } else { format!("<ul><li>{}</li></ul>\n", items.join("</li><li>")) }
+}
+
+/// Content that is folded under a line.
+pub fn folded(line: &str, content: &str) -> String {
+    format!("<details><summary>{}</summary>\n{content}</details>\n", escaped(line))
+}
+
+/// A report for terminals as it stands, folded under a line.
+pub fn verbatim(line: &str, text: &str) -> String {
+    let name = escaped(line);
+    folded(line, &format!("<pre tabindex=\"0\" role=\"region\" aria-label=\"{name}\">{}</pre>\n", escaped(text)))
 }
 
 /// A row of cells, which are HTML already.
 fn row<S: AsRef<str>>(tag: &str, cells: impl IntoIterator<Item = S>) -> String {
     let mut out = "<tr>".to_owned();
     for cell in cells {
-        let _ = write!(out, "<{tag}>{}</{tag}>", cell.as_ref());
+        // A header without text is none.
+        let (cell, tag) = (cell.as_ref(), if cell.as_ref().is_empty() { "td" } else { tag });
+        let _ = write!(out, "<{tag}>{cell}</{tag}>");
     }
     out + "</tr>"
 }
 
-/// A table; header and cells are HTML already. Without a header where that is empty.
-pub fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
-    let mut out = "<div class=\"wide\"><table>".to_owned();
+/// Content that scrolls by itself where it is wider than the page, with a name for those who do not see it.
+pub fn wide(name: &str, content: &str) -> String {
+    let name = escaped(name);
+    format!("<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"{name}\">{content}</div>\n")
+}
+
+/// A table with a name for those who do not see it; header and cells are HTML already. Without a header where that is empty.
+pub fn table(name: &str, header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let mut out = "<table>".to_owned();
     if !header.is_empty() {
         out += &row("th", header);
     }
     for cells in rows {
         out += &row("td", cells);
     }
-    out + "</table></div>\n"
+    wide(name, &(out + "</table>"))
 }
 
-/// The equations of a model, set.
-pub fn equations(system: &System) -> String {
-    let names = system.state_names();
-    let rows = names.iter().zip(&system.dynamics);
-    table(&[], rows.map(|(name, &e)| vec![format!("{} ′ =", symbol(name)), rate(system, e).mathml()]))
-}
-
-/// Figures inside the page; those that cannot be drawn are left out.
-pub fn figures(figures: &[Figure]) -> String {
-    let mut out = String::new();
-    for figure in figures {
-        let Ok(drawing) = &figure.drawing else { continue };
-        // Inside a page the image needs no declaration of its own.
-        let svg = drawing.svg();
-        let svg = svg.find("<svg").map_or(svg, |at| &svg[at..]);
-        let _ = writeln!(out, "<figure>{svg}<figcaption>{}</figcaption></figure>", escaped(&figure.caption));
-    }
-    out
-}
-
-/// A GIF inside the page.
-pub fn animation(gif: &[u8], caption: &str) -> String {
-    let (data, caption) = (STANDARD.encode(gif), escaped(caption));
-    format!(
-        "<figure><img alt=\"{caption}\" src=\"data:image/gif;base64,{data}\"><figcaption>{caption}</figcaption></figure>\n"
-    )
+/// A table of names and what is said of them, in plain text.
+pub fn facts<A: AsRef<str>, B: AsRef<str>>(name: &str, rows: impl IntoIterator<Item = (A, B)>) -> String {
+    let rows = rows.into_iter().map(|(what, value)| vec![escaped(what.as_ref()), escaped(value.as_ref())]);
+    table(name, &[], rows)
 }
 
 /// A share in percent.

@@ -7,6 +7,8 @@ use bracketry_plot::{
     Snapshot, TimeSeries,
 };
 
+use crate::html::Figure;
+
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Motions below this are rounding, in mm and degrees.
 const ROUNDING: f64 = 1e-9;
@@ -47,6 +49,17 @@ pub fn plan_view_figure(ran: &PlateExperiment) -> Result<Drawing, PlotError> {
 /// As [`motion_figure`].
 pub fn comparison_figure(ran: &PlateExperiment) -> Option<Result<Drawing, PlotError>> {
     ran.log.as_ref().map(|log| overlay(ran, log).draw())
+}
+
+/// The figures of a run, the motion first.
+pub fn figures(ran: &PlateExperiment) -> Vec<Figure> {
+    let mut figures = vec![
+        Figure::new("motion", "Object, plate, and contact over time", motion_figure(ran)),
+        Figure::new("plan_view", "The path of the object on the plate, seen from above", plan_view_figure(ran)),
+    ];
+    let comparison = comparison_figure(ran);
+    figures.extend(comparison.map(|drawing| Figure::new("comparison", "The run compared with the log", drawing)));
+    figures
 }
 
 fn title(ran: &PlateExperiment) -> String {

@@ -1,6 +1,6 @@
 //! A run on the plate in words.
 
-use std::fmt::{self, Write as _};
+use std::fmt::Write as _;
 
 use bracketry_plate::area::AreaOutcome;
 use bracketry_plate::experiment::AmplitudeStep;
@@ -15,34 +15,44 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 /// The report of a run for a reader.
 pub fn text(ran: &PlateExperiment) -> String {
+    let mut out = format!("{}\n", headline(ran));
+    let assumed = ran.assumptions().into_iter().map(|said| ("assumed", assumption(said).to_owned()));
+    for (what, said) in setup(ran).into_iter().chain(assumed).chain(result(ran)) {
+        let _ = writeln!(out, "  {what:<11} {said}");
+    }
+    out + &compared(ran)
+}
+
+/// What was run.
+pub(super) fn headline(ran: &PlateExperiment) -> String {
+    let motion = if ran.driven_by_log { "log" } else { "formula" };
+    let (name, model) = (&ran.setup.experiment.name, ran.setup.model.name());
+    format!("Experiment {name}, model {model}, plate driven by the {motion}")
+}
+
+/// The paragraph on a log; empty without one.
+pub(super) fn compared(ran: &PlateExperiment) -> String {
     let mut out = String::new();
     // Writing into a string cannot fail.
-    let _ = setup(&mut out, ran);
-    let _ = result(&mut out, ran);
-    let _ = contact(&mut out, &ran.run);
     let _ = ran.comparison.as_ref().map_or(Ok(()), |c| write_comparison(&mut out, c));
     out
 }
 
-fn setup(out: &mut String, ran: &PlateExperiment) -> fmt::Result {
+/// What was simulated: what, and its value.
+pub(super) fn setup(ran: &PlateExperiment) -> Vec<(&'static str, String)> {
     let setup = &ran.setup;
-    let motion = if ran.driven_by_log { "log" } else { "formula" };
-    let (name, model) = (&setup.experiment.name, setup.model.name());
-    writeln!(out, "Experiment {name}, model {model}, plate driven by the {motion}")?;
     let object = &setup.object;
-    writeln!(out, "  object      {}; {} m thick, {} kg", shape(&object.shape), 2.0 * object.height, object.mass)?;
+    let body = format!("{}; {} m thick, {} kg", shape(&object.shape), 2.0 * object.height, object.mass);
+    let mut facts = vec![("object", body)];
     if object.bearing != Bearing::Footprint || object.center_of_mass != [0.0; 2] {
         let [x, y] = object.center_of_mass.map(round);
-        writeln!(out, "  bearing     {}; center of mass at {x}, {y} m", bearing(&object.bearing))?;
+        facts.push(("bearing", format!("{}; center of mass at {x}, {y} m", bearing(&object.bearing))));
     }
-    writeln!(out, "  friction    {}", friction(&setup.friction))?;
+    facts.push(("friction", friction(&setup.friction)));
     let [x, y, phi] = setup.start;
-    writeln!(out, "  start       x {} m, y {} m, φ {:.2}°", round(x), round(y), phi * DEGREES)?;
-    writeln!(out, "  numerics    {}", numerics(setup))?;
-    for said in ran.assumptions() {
-        writeln!(out, "  assumed     {}", assumption(said))?;
-    }
-    Ok(())
+    facts.push(("start", format!("x {} m, y {} m, φ {:.2}°", round(x), round(y), phi * DEGREES)));
+    facts.push(("numerics", numerics(setup)));
+    facts
 }
 
 fn numerics(setup: &PlateSetup) -> String {
@@ -53,53 +63,58 @@ fn numerics(setup: &PlateSetup) -> String {
     }
 }
 
-fn result(out: &mut String, ran: &PlateExperiment) -> fmt::Result {
+/// What came of it: what, and its value.
+pub(super) fn result(ran: &PlateExperiment) -> Vec<(&'static str, String)> {
     let (setup, run) = (&ran.setup, &ran.run);
-    let (unit, scale) = if setup.coordinate() == 2 { ("°", DEGREES) } else { (" mm", 1e3) };
-    let goal = format!("{} = {:.1}{unit}", setup.experiment.coordinate.name(), setup.experiment.target * scale);
-    match run.reached {
-        Some(t) => writeln!(out, "  target      {goal} reached after {t:.3} s")?,
-        None => writeln!(out, "  target      {goal} not reached")?,
-    }
+    let mut facts = vec![("target", target(ran))];
     if let Some(stop) = &run.stopped {
-        writeln!(out, "  outcome     {}", stopped(stop))?;
+        facts.push(("outcome", stopped(stop)));
     }
     if ran.outcome() == PlateOutcome::NotFlat {
-        writeln!(
-            out,
-            "  outcome     the object does not lie flat at the end: it tips, has overturned, or is in flight"
-        )?;
+        let said = "the object does not lie flat at the end: it tips, has overturned, or is in flight";
+        facts.push(("outcome", said.to_owned()));
     }
     let last = &run.rows[run.rows.len() - 1];
     let units = [1e3, 1e3, DEGREES];
     let [x, y, phi]: [f64; 3] = std::array::from_fn(|k| without_sign(last.state[k] * units[k]));
-    writeln!(out, "  final       x {x:.2} mm, y {y:.2} mm, φ {phi:.2}° at t = {:.3} s", last.t)?;
+    facts.push(("final", format!("x {x:.2} mm, y {y:.2} mm, φ {phi:.2}° at t = {:.3} s", last.t)));
     let [x, y, phi]: [f64; 3] = std::array::from_fn(|k| without_sign((last.state[k] - setup.start[k]) * units[k]));
-    writeln!(out, "  moved       x {x:+.2} mm, y {y:+.2} mm, φ {phi:+.2}°")
+    facts.push(("moved", format!("x {x:+.2} mm, y {y:+.2} mm, φ {phi:+.2}°")));
+    facts.extend(contact(run));
+    facts
 }
 
-fn contact(out: &mut String, run: &PlateRun) -> fmt::Result {
+/// Whether the target is reached, and when.
+pub(super) fn target(ran: &PlateExperiment) -> String {
+    let setup = &ran.setup;
+    let (unit, scale) = if setup.coordinate() == 2 { ("°", DEGREES) } else { (" mm", 1e3) };
+    let goal = format!("{} = {:.1}{unit}", setup.experiment.coordinate.name(), setup.experiment.target * scale);
+    match ran.run.reached {
+        Some(t) => format!("{goal} reached after {t:.3} s"),
+        None => format!("{goal} not reached"),
+    }
+}
+
+fn contact(run: &PlateRun) -> Vec<(&'static str, String)> {
     let events = run.events.map_or(String::new(), |n| format!("{}, ", counted(n, "event", "events")));
     let gap = run.largest_gap();
-    writeln!(
-        out,
-        "  contact     {events}{:.0} % sticking on average, normal force at least {:.3} N{}",
-        100.0 * run.stick_share(),
-        run.least_normal_force(),
-        if gap > 1e-6 { format!(", gap up to {:.3} mm", 1e3 * gap) } else { String::new() }
-    )?;
+    let gap = if gap > 1e-6 { format!(", gap up to {:.3} mm", 1e3 * gap) } else { String::new() };
+    let sticking = 100.0 * run.stick_share();
+    let force = run.least_normal_force();
+    let said = format!("{events}{sticking:.0} % sticking on average, normal force at least {force:.3} N{gap}");
+    let mut facts = vec![("contact", said)];
     if !run.jumps.is_empty() {
-        writeln!(out, "  plate       jumped {} under the object", counted(run.jumps.len(), "time", "times"))?;
+        let times = counted(run.jumps.len(), "time", "times");
+        facts.push(("plate", format!("jumped {times} under the object")));
     }
     if let Some(closure) = run.energy_closure {
-        writeln!(
-            out,
-            "  energy      balance of the discrete equations closes to {closure:.1e} of the energy exchanged"
-        )?;
+        let said = format!("balance of the discrete equations closes to {closure:.1e} of the energy exchanged");
+        facts.push(("energy", said));
     }
     let simulated = run.rows[run.rows.len() - 1].t - run.rows[0].t;
     let factor = two_digits(simulated / run.wall_seconds.max(1e-9));
-    writeln!(out, "  speed       {:.3} s, {factor} times real time", run.wall_seconds)
+    facts.push(("speed", format!("{:.3} s, {factor} times real time", run.wall_seconds)));
+    facts
 }
 
 /// What is assumed, in a sentence.

@@ -9,29 +9,39 @@ pub(super) const ROUNDING: f64 = 1e-13;
 
 /// The report of a run of `given` on `system`.
 pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> String {
-    let trajectory = &run.simulation.trajectory;
-    let mut lines = vec![format!(
-        "{}: {} simulated in {}, {}",
-        system.name,
-        system.quantities.time_unit.text(readable(trajectory.end() - trajectory.start())),
-        counted(run.simulation.statistics.steps, "step", "steps"),
-        counted(trajectory.mode_changes().len(), "mode change", "mode changes")
-    )];
-    let at_zero = given.held_at_zero.iter();
-    lines.extend(at_zero.map(|name| format!("  the input `{name}` is not driven: it is zero")));
-    lines.extend(run.impulses_left_out.iter().map(|(input, order)| {
-        format!("  warning: `{input}` jumps or has kinks: impulses of der({input},{order}) are neglected")
-    }));
-    lines.extend(beyond_ranges(system, run).iter().map(|sentence| format!("  warning: {sentence}")));
-    lines.extend(notes(system, run).iter().map(|sentence| format!("  note: {sentence}")));
-    let ignored = given.ignored.iter();
-    lines.extend(ignored.map(|name| format!("  column `{name}` is not an input that the model uses and was ignored")));
+    let mut lines = vec![format!("{}: {}", system.name, done(system, run))];
+    lines.extend(remarks(system, given, run).iter().map(|sentence| format!("  {sentence}")));
     let names = system.state_names();
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(10);
-    let states = names.iter().zip(trajectory.final_state());
+    let states = names.iter().zip(run.simulation.trajectory.final_state());
     lines.extend(states.map(|(name, value)| format!("  {name:>width$} = {}", readable(*value))));
     lines.extend(stop(system, run));
     lines.join("\n") + "\n"
+}
+
+/// How much was simulated.
+pub(super) fn done(system: &System, run: &ScenarioRun) -> String {
+    let trajectory = &run.simulation.trajectory;
+    format!(
+        "{} simulated in {}, {}",
+        system.quantities.time_unit.text(readable(trajectory.end() - trajectory.start())),
+        counted(run.simulation.statistics.steps, "step", "steps"),
+        counted(trajectory.mode_changes().len(), "mode change", "mode changes")
+    )
+}
+
+/// What is to be said of inputs, ranges, and the model, a sentence each.
+pub(super) fn remarks(system: &System, given: &SampledScenario, run: &ScenarioRun) -> Vec<String> {
+    let at_zero = given.held_at_zero.iter();
+    let mut lines: Vec<String> = at_zero.map(|name| format!("the input `{name}` is not driven: it is zero")).collect();
+    lines.extend(run.impulses_left_out.iter().map(|(input, order)| {
+        format!("warning: `{input}` jumps or has kinks: impulses of der({input},{order}) are neglected")
+    }));
+    lines.extend(beyond_ranges(system, run).iter().map(|sentence| format!("warning: {sentence}")));
+    lines.extend(notes(system, run).iter().map(|sentence| format!("note: {sentence}")));
+    let ignored = given.ignored.iter();
+    lines.extend(ignored.map(|name| format!("column `{name}` is not an input that the model uses and was ignored")));
+    lines
 }
 
 /// What is to be said beside the figures: what was eliminated from the model, and where it is nearly singular.

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use bracketry_stiffness::{Identification, Identified, TWIST_COLUMNS, WRENCH_COLUMNS};
+use bracketry_stiffness::Identification;
 
+use super::tables::{MATRIX, compliance, methods, springs, stiffness};
 use super::text;
 
 /// An identification as Markdown.
@@ -16,29 +17,15 @@ pub fn identification(found: &Identification) -> String {
     if let Some(why) = &found.outliers_kept {
         let _ = writeln!(out, "No outliers excluded: {why}.\n");
     }
-    let header = ["method", "error of prediction [σ]", "condition", "χ²/dof", "does not apply"];
-    let methods = found.methods.iter().map(|(method, figures)| {
-        let numbers = match figures {
-            Ok(f) => [f.held_out, f.condition, f.chi_square].map(|value| format!("{value:.3}")),
-            Err(_) => Default::default(),
-        };
-        let failed = figures.as_ref().err().map(ToString::to_string).unwrap_or_default();
-        [method.to_string()].into_iter().chain(numbers).chain([failed]).collect()
-    });
-    table(&mut out, &header, methods);
+    let (header, rows) = methods(found);
+    table(&mut out, &header, rows);
     for advice in &found.advice {
         let _ = writeln!(out, "- {}", text::advice(advice));
     }
     if !found.parameters.is_empty() {
         out.push_str("\n## Joint springs\n\nN·m/rad, N·m/rad³, rad, N·m.\n\n");
-        let parameters = found.parameters.iter().map(|p| {
-            let (value, interval) = match &p.identified {
-                Identified::Yes { value, low, high } => (format!("{value:.4e}"), format!("{low:.4e} … {high:.4e}")),
-                no @ Identified::No { .. } => ("not identified".to_owned(), no.why().unwrap_or_default()),
-            };
-            vec![p.joint.to_string(), p.name.to_owned(), value, interval]
-        });
-        table(&mut out, &["joint", "number", "value", "95 % interval"], parameters);
+        let (header, rows) = springs(found);
+        table(&mut out, &header, rows);
     }
     if let Some(why) = &found.withheld {
         let why = text::withheld(why);
@@ -52,37 +39,15 @@ pub fn identification(found: &Identification) -> String {
         out.push('\n');
     }
     if let Some(pose) = &found.cartesian {
-        let interval = |i, j| pose.compliance_interval(i, j);
-        let title = "Compliance [µm, µrad per N, N·m]";
-        matrix(&mut out, title, [TWIST_COLUMNS, WRENCH_COLUMNS], 1e6, |i, j| (pose.compliance[(i, j)], interval(i, j)));
-        let interval = |i, j| pose.stiffness_interval(i, j);
-        let title = "Stiffness [N, N·m per µm, µrad]";
-        matrix(&mut out, title, [WRENCH_COLUMNS, TWIST_COLUMNS], 1e-6, |i, j| (pose.stiffness[(i, j)], interval(i, j)));
+        for matrix in [compliance(pose), stiffness(pose)] {
+            let _ = writeln!(out, "## {}\n\n{MATRIX}\n", matrix.title);
+            table(&mut out, &matrix.header, matrix.rows);
+        }
     }
     out
 }
 
-/// A matrix of entries with their intervals; names of its rows, then of its columns.
-fn matrix(
-    out: &mut String,
-    title: &str,
-    [rows, columns]: [[&str; 6]; 2],
-    scale: f64,
-    entry: impl Fn(usize, usize) -> (f64, (f64, f64)),
-) {
-    let _ = writeln!(out, "## {title}\n\nTool point, base axes; ± half of the 95 % interval.\n");
-    let header: Vec<&str> = std::iter::once("").chain(columns).collect();
-    let row = |i: usize| {
-        let cell = |j: usize| {
-            let (value, (low, high)) = entry(i, j);
-            format!("{:.4} ± {:.4}", scale * value, 0.5 * scale * (high - low))
-        };
-        std::iter::once(rows[i].to_owned()).chain((0..6).map(cell)).collect()
-    };
-    table(out, &header, (0..6).map(row));
-}
-
-fn table(out: &mut String, header: &[&str], rows: impl Iterator<Item = Vec<String>>) {
+fn table(out: &mut String, header: &[&str], rows: Vec<Vec<String>>) {
     let _ = writeln!(out, "| {} |\n|{}", header.join(" | "), "---|".repeat(header.len()));
     for row in rows {
         let _ = writeln!(out, "| {} |", row.join(" | "));

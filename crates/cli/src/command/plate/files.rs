@@ -1,28 +1,34 @@
-//! Files of a run on the plate: table, plots, animation.
+//! Files of a run on the plate: page, table, plots, animation.
 
 use std::path::Path;
 
 use anyhow::Context;
 use bracketry::plate::PlateExperiment;
-use bracketry::report::plate;
+use bracketry::report::{html, plate};
 
-use super::super::output::{csv, figure, json, write};
+use super::super::output::{csv, json, listed, save_figures, write};
+
+/// The page with everything.
+pub(super) const PAGE: &str = "plate.html";
 
 /// Writes everything; gives the names of the files.
-pub(super) fn write_all(dir: &Path, ran: &PlateExperiment, gif: bool) -> anyhow::Result<Vec<&'static str>> {
-    let mut names = vec!["plate.json", "trajectory.csv", "motion.svg", "motion.png", "plan_view.svg", "plan_view.png"];
+pub(super) fn write_all(dir: &Path, ran: &PlateExperiment, gif: bool) -> anyhow::Result<Vec<String>> {
+    let mut files = listed(&[("plate.json", "all results, for programs"), ("trajectory.csv", "the run over time")]);
     write(&dir.join("plate.json"), &json(&plate::json(ran))?)?;
     let rows = plate::csv_rows(&ran.run.rows);
     csv(&dir.join("trajectory.csv"), &plate::csv_columns(&ran.run.rows), rows.iter().map(Vec::as_slice))?;
-    figure(plate::motion_figure(ran), &dir.join("motion"));
-    figure(plate::plan_view_figure(ran), &dir.join("plan_view"));
-    if let Some(drawing) = plate::comparison_figure(ran) {
-        figure(drawing, &dir.join("comparison"));
-        names.extend(["comparison.svg", "comparison.png"]);
-    }
+    let figures = plate::figures(ran);
+    files.extend(save_figures(&figures, dir));
+    let mut film = None;
     if gif {
-        plate::animation(ran).save(dir.join("plate.gif")).context("no animation")?;
-        names.push("plate.gif");
+        let animation = plate::animation(ran);
+        let images = animation.gif().context("no animation")?;
+        let path = dir.join("plate.gif");
+        std::fs::write(&path, &images).with_context(|| format!("cannot write {}", path.display()))?;
+        let caption = "The object on the plate, in real time";
+        film = Some(html::animation(&images, &animation.still().context("no animation")?, caption));
+        files.extend(listed(&[("plate.gif", caption)]));
     }
-    Ok(names)
+    write(&dir.join(PAGE), &plate::page(ran, &figures, film.as_deref(), &files))?;
+    Ok(std::iter::once(PAGE.to_owned()).chain(files.into_iter().map(|f| f.0)).collect())
 }

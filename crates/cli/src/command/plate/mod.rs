@@ -11,7 +11,7 @@ use bracketry::report::plate;
 use clap::{Args, ValueEnum};
 
 use super::file_kind::{FileKind, Given};
-use super::output::{folder, json, line, print};
+use super::output::{PageArgs, folder, json, line, print};
 use super::progress::spinner;
 use super::{CommonArgs, Outcome};
 
@@ -104,6 +104,8 @@ pub(crate) struct PlateArgs {
     /// What moves the plate
     #[arg(long, value_enum, default_value = "formula")]
     motion: MotionArg,
+    #[command(flatten)]
+    page: PageArgs,
     /// Also write plate.gif: an animation in real time
     #[arg(long)]
     gif: bool,
@@ -161,6 +163,7 @@ fn is_file(what: &Path) -> bool {
 
 /// Runs the experiment and writes what it gave.
 pub(crate) fn run(args: &PlateArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    args.page.check(output)?;
     let scenario = args.scenario()?;
     let log = args.compare.as_deref().map(PlateLog::read).transpose()?;
     if args.motion == MotionArg::Log && log.is_none() {
@@ -186,6 +189,7 @@ pub(crate) fn run(args: &PlateArgs, output: &CommonArgs) -> anyhow::Result<Outco
         let progress = spinner("drawing");
         written = files::write_all(dir, &ran, args.gif)?;
         progress.finish_and_clear();
+        args.page.open(&dir.join(files::PAGE));
     }
     if output.json {
         print(&json(&plate::json(&ran))?)?;
@@ -193,7 +197,7 @@ pub(crate) fn run(args: &PlateArgs, output: &CommonArgs) -> anyhow::Result<Outco
         print(&plate::text(&ran))?;
         match &output.out {
             Some(dir) => line(&format!("written to {}: {}", dir.display(), written.join(", ")))?,
-            None => line("(--out DIR writes trajectory and plots, with --gif an animation)")?,
+            None => line("(--out DIR writes a page with plots and the trajectory, with --gif an animation)")?,
         }
     }
     let undecided = ran.comparison.as_ref().is_some_and(Comparison::is_undecided);

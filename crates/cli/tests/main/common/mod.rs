@@ -4,6 +4,7 @@
 pub(crate) mod case_file;
 #[path = "../../../../../tests/main/common/known_answers.rs"]
 pub(crate) mod known_answers;
+pub(crate) mod pages;
 pub(crate) mod robots;
 #[path = "../../../../../tests/main/common/sessions.rs"]
 pub(crate) mod sessions;
