@@ -17,14 +17,14 @@ import sys
 NAMES = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox"]
 
 # What the page is made of, as the browser sees it.
-LOOK = """() => ({
+LOOK = r"""() => ({
   images: [...document.images].map(i => ({alt: i.alt, complete: i.complete, width: i.naturalWidth, height: i.naturalHeight})),
   drawings: [...document.querySelectorAll('figure svg')].map(s => {
     const box = s.getBoundingClientRect();
     return {width: box.width, height: box.height, marks: s.querySelectorAll('path, polyline, polygon, rect, circle, line').length};
   }),
   formulas: [...document.querySelectorAll('math')].map(m => m.getBoundingClientRect().width),
-  headings: [...document.querySelectorAll('h2')].map(h => h.innerText),
+  headings: [...document.querySelectorAll('h2')].map(h => h.innerText).filter(title => /^\d+\. /.test(title)),
   text: document.body.innerText,
   overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
 })"""
