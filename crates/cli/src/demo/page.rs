@@ -1,10 +1,13 @@
 //! The story as one page that needs nothing else.
 
+use std::collections::BTreeMap;
+
 use super::figures::MAP;
 use super::on_plant::MoveOnPlant;
 use super::story::{Story, StoryAnimation};
 use super::text::{self, LOOPS, METHODS};
 use bracketry::report::Figure;
+use bracketry::report::analysis::dimensions;
 use bracketry::report::from_rest::from_rest_map_text;
 use bracketry::report::html::{
     self, Chapter, Page, equations, escaped, folded, paragraph, paragraphs, table, verbatim,
@@ -31,6 +34,8 @@ impl Story {
     /// network and no other file.
     pub fn page(&self, animations: &[StoryAnimation], files: &[String]) -> String {
         let mut figures = self.chapters();
+        let captions: BTreeMap<String, String> =
+            figures.iter().flatten().map(|f| (f.name.clone(), f.caption.clone())).collect();
         // What it comes to: both models on the true plant.
         let first = [5, 2].into_iter().find_map(|k: usize| figures[k].pop());
         let lead = format!("<p class=\"verdict\">{}</p>\n", escaped(&self.verdict()))
@@ -42,10 +47,10 @@ impl Story {
             films.map(|a| html::animation(&a.gif, &a.still, &format!("{}, in real time.", a.title))).collect()
         };
         let whole = "Everything that the command prints of this";
-        let drawn = |k: usize| html::gallery(&figures[k]);
+        let drawn = |k: usize| html::folded_figures(&figures[k]);
         let moved = |chapter: usize, moved: &MoveOnPlant| {
             paragraph(&moved.outcome())
-                + &of_rows("Final errors", LOOPS, moved.errors())
+                + &of_rows(&format!("Final errors, {}", moved.model), LOOPS, moved.errors())
                 + &film(chapter)
                 + &drawn(chapter - 1)
                 + &verbatim(whole, &moved.to_string())
@@ -63,7 +68,7 @@ impl Story {
             second,
             moved(3, &self.as_published),
             verbatim("The logs", &text::of_logs(&self.logs)) + &self.diagnosis.verdict(),
-            drawn(4) + &verbatim(whole, &ranks),
+            html::gallery(&figures[4]) + &verbatim(whole, &ranks),
             sixth,
         ];
         let titles = [text::FIRST, text::SECOND, text::THIRD, text::FOURTH, text::FIFTH, text::SIXTH];
@@ -75,7 +80,10 @@ impl Story {
                 _ => chapter,
             }
         });
-        let files = (!files.is_empty()).then(|| Chapter::files(files.iter().map(|name| (name, what(name)))));
+        let files = (!files.is_empty()).then(|| {
+            let files: Vec<_> = files.iter().map(|name| (name.clone(), what(name, &captions))).collect();
+            Chapter::files(&files)
+        });
         Page::new(self.title(), lead).chapters(chapters).chapters(files).html()
     }
 
@@ -83,7 +91,9 @@ impl Story {
         let affine = &self.analysis.affinization.system;
         let (map, others): (Vec<&Figure>, Vec<_>) = figures.iter().partition(|f| f.name == MAP);
         let said = bracketry::report::analysis::text(&self.analysis);
-        let reach = html::gallery(others) + &verbatim("Everything that the analysis says", &said);
+        let reach = dimensions(&self.analysis)
+            + &html::folded_figures(others)
+            + &verbatim("Everything that the analysis says", &said);
         let rest = paragraph(
             "At rest, dry friction balances small inputs. A coordinate changes only if inputs within the bounds lead out of the friction \
              cone, and then loops of the inputs move it both ways.",
@@ -114,14 +124,16 @@ fn of_rows<const N: usize>(name: &str, header: [&str; N], rows: impl IntoIterato
     table(name, &header, rows.into_iter().map(|row| row.map(|cell| escaped(&cell)).to_vec()))
 }
 
-/// What is in a file of the command, by its ending.
-fn what(name: &str) -> &'static str {
-    match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
+/// What is in a file of the command: the caption of a figure, else by its ending.
+fn what(name: &str, captions: &BTreeMap<String, String>) -> String {
+    let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
+    let what = match ending {
         "csv" => "a log or a trajectory",
-        "svg" | "png" => "a figure",
+        "svg" | "png" => captions.get(stem).map_or("a figure", |caption| caption.trim_end_matches('.')),
         "gif" => "an animation",
         "toml" => "a model",
         "json" => "results for programs",
         _ => "a report as text",
-    }
+    };
+    what.to_owned()
 }

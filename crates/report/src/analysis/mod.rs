@@ -14,6 +14,6 @@ pub use affinization::{AffinizationReport, InputChange, candidates, changes, met
 pub use document::{latex, markdown};
 pub use figures::{growth_figure, reach_figure};
 pub use json::{AnalysisJson, json};
-pub use page::{figures, page};
+pub use page::{dimensions, figures, page};
 pub use summary::summary;
 pub use text::{report_text, text};

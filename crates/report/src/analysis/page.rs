@@ -30,13 +30,13 @@ pub fn page(a: &Analysis, figures: &[Figure], files: &[(String, String)]) -> Str
         ),
         html::model("Model", &a.original),
         affine_form(a),
-        Chapter::files(files.iter().map(|(name, what)| (name, what))),
+        Chapter::files(files),
     ];
     Page::new(format!("Analysis of {}", a.model), lead).chapters(chapters).html()
 }
 
-/// Dimensions of what is reached, in every mode and over all of them.
-fn dimensions(a: &Analysis) -> String {
+/// A table of the dimensions of what is reached, in every mode and over all of them, as HTML.
+pub fn dimensions(a: &Analysis) -> String {
     let report = &a.report;
     let mut rows = Vec::new();
     let mut add = |what: String, d: &Dimensions| {
@@ -74,7 +74,7 @@ fn affine_form(a: &Analysis) -> Chapter {
     let mut said = changes(&a.affinization);
     said.extend(a.family.as_ref().map(family));
     said.extend(affine.eliminated.iter().map(ToString::to_string));
-    let mut out = paragraph(&format!("{}.", a.affinization.why)) + &list(&said);
+    let mut out = paragraph(&format!("Affine form: {}.", a.affinization.why)) + &list(&said);
     if !a.affine {
         out += &folded("The equations that are affine in the inputs", &equations(affine));
     }

@@ -19,7 +19,7 @@ impl Diagnosis {
         let (first, others) = figures.split_at(figures.len().min(1));
         let lead = self.verdict() + &html::figures(first);
         let page = Page::new(format!("{}: {}", report.model, report.verdict), lead);
-        let files = (!files.is_empty()).then(|| Chapter::files(files.iter().map(|(name, what)| (name, what))));
+        let files = (!files.is_empty()).then(|| Chapter::files(files));
         page.chapters(self.chapters(others)).chapters(files).html()
     }
 

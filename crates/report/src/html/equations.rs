@@ -12,7 +12,7 @@ const LARGEST: f64 = 2000.0;
 /// The equations of a model, set. Common factors are canceled, and `Xd` is set as the derivative that it is where X' = Xd.
 pub fn equations(system: &System) -> String {
     let (mut pool, rates) = system.pool.extract(&system.dynamics);
-    let name = format!("Equations of {}", system.name);
+    let name = format!("Equations of {}, {} states", system.name, system.states.len());
     let row = |(name, e): (String, Expr)| {
         let (left, right) = (derivative(system, &name, 1).mathml(), set(system, &mut pool, e));
         // What only says that one is the derivative of the other is in the notation.

@@ -45,8 +45,13 @@ pub fn figures<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> String {
 /// The first figure, and the others folded under their captions.
 pub fn gallery<'a>(all: impl IntoIterator<Item = &'a Figure>) -> String {
     let mut drawn = all.into_iter().filter(|f| f.drawing.is_ok());
-    let first = figures(drawn.next());
-    drawn.fold(first, |out, f| out + &folded(&f.caption, &figures([f])))
+    figures(drawn.next()) + &folded_figures(drawn)
+}
+
+/// All figures folded under their captions, below something else to look at.
+pub fn folded_figures<'a>(all: impl IntoIterator<Item = &'a Figure>) -> String {
+    let drawn = all.into_iter().filter(|f| f.drawing.is_ok());
+    drawn.map(|f| folded(&f.caption, &figures([f]))).collect()
 }
 
 /// A GIF inside the page, with a PNG of one image that takes its place where it is paused or less motion is preferred.

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use bracketry_symbolic::Notation;
 
 pub use equations::{equations, model};
-pub use figure::{Figure, animation, figures, gallery};
+pub use figure::{Figure, animation, figures, folded_figures, gallery};
 pub use page::{Chapter, Page};
 
 /// Text in which no sign has a meaning of its own in HTML.

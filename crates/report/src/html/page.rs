@@ -1,12 +1,16 @@
 //! The frame of a page: headline, contents, chapters.
 
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::fmt::Write as _;
+use std::path::Path;
 
-use super::escaped;
+use super::{escaped, folded};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
+/// Files of figures from which on they are folded.
+const FEW_FIGURES: usize = 5;
 /// Levels of headings below the title that the contents list.
 const LISTED: usize = 2;
 
@@ -31,14 +35,23 @@ impl Chapter {
         self
     }
 
-    /// Links to files that lie beside the page; a file is its name and what is in it.
-    pub fn files<N: AsRef<str>, W: AsRef<str>>(files: impl IntoIterator<Item = (N, W)>) -> Self {
-        let item = |(name, what): (N, W)| {
-            let name = escaped(name.as_ref());
-            format!("<li><a href=\"{name}\">{name}</a>: {}</li>", escaped(what.as_ref()))
+    /// Links to files that lie beside the page; a file is its name and what is in it. Many figures are folded.
+    pub fn files(files: &[(String, String)]) -> Self {
+        let list = |files: Vec<&(String, String)>| {
+            let item = |(name, what): &(String, String)| {
+                let (name, what) = (escaped(name), escaped(what));
+                format!("<a href=\"{name}\">{name}</a>: {what}")
+            };
+            let items: Vec<String> = files.into_iter().map(item).collect();
+            format!("<ul><li>{}</li></ul>\n", items.join("</li><li>"))
         };
-        let items: String = files.into_iter().map(item).collect();
-        Self::new("Files", format!("<ul>{items}</ul>\n"))
+        let ending = |name: &str| Path::new(name).extension().map(OsStr::to_os_string);
+        let is_figure = |(name, _): &&(String, String)| ending(name).is_some_and(|e| e == "svg" || e == "png");
+        let (figures, others): (Vec<_>, Vec<_>) = files.iter().partition(is_figure);
+        if figures.len() < FEW_FIGURES || others.is_empty() {
+            return Self::new("Files", list(files.iter().collect()));
+        }
+        Self::new("Files", list(others) + &folded("The figures as SVG and PNG", &list(figures)))
     }
 }
 

@@ -20,6 +20,6 @@ pub fn page(ran: &PlateExperiment, figures: &[Figure], animation: Option<&str>, 
     }
     chapters.push(Chapter::new("What was simulated", facts("What was simulated", setup(ran))));
     chapters.push(Chapter::new("Assumptions", list(ran.assumptions().into_iter().map(assumption))));
-    chapters.push(Chapter::files(files.iter().map(|(name, what)| (name, what))));
+    chapters.push(Chapter::files(files));
     Page::new(headline(ran), lead).chapters(chapters).html()
 }

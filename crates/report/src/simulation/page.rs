@@ -32,7 +32,7 @@ pub fn page(
     }
     chapters.extend(mode_changes(system, run));
     chapters.push(html::model("Model", system));
-    chapters.push(Chapter::files(files.iter().map(|(name, what)| (name, what))));
+    chapters.push(Chapter::files(files));
     Page::new(format!("Simulation of {}", system.name), lead).chapters(chapters).html()
 }
 

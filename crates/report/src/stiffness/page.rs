@@ -28,9 +28,9 @@ pub fn compensation_figures(run: &CompensatedLog) -> Vec<Figure> {
 /// An identification as an HTML page with these figures, and links to these files beside it.
 pub fn identification_page(found: &Identification, figures: &[Figure], files: &[(String, String)]) -> String {
     let mut said: Vec<String> = found.advice.iter().map(text::advice).collect();
-    let first = if said.is_empty() { format!("{} measurements", found.measurements) } else { said.remove(0) };
+    let first = if said.is_empty() { "none; see the methods".to_owned() } else { said.remove(0) };
     let (picture, others) = figures.split_at(figures.len().min(1));
-    let lead = verdict(&first) + &html::figures(picture);
+    let lead = verdict(&format!("Advice: {first}")) + &html::figures(picture);
     let mut notes = said;
     if !found.outliers.is_empty() {
         notes.push(format!("excluded as outliers: lines {}", text::listed(&found.outliers)));
@@ -99,6 +99,6 @@ fn of_text(name: &str, header: &[&str], rows: Vec<Vec<String>>) -> String {
 }
 
 fn written(title: String, lead: String, chapters: Vec<Chapter>, files: &[(String, String)]) -> String {
-    let files = Chapter::files(files.iter().map(|(name, what)| (name, what)));
+    let files = Chapter::files(files);
     Page::new(title, lead).chapters(chapters).chapters([files]).html()
 }

@@ -5,4 +5,5 @@ mod analysis;
 mod control;
 mod diagnosis;
 mod document;
+mod page;
 mod stiffness_text;
