@@ -9,5 +9,6 @@ mod identify_refusals;
 mod identify_springs;
 mod identities;
 mod payload;
+mod publication;
 mod reference;
 mod robot_file;
