@@ -15,6 +15,7 @@ mod experiments;
 mod first_principles;
 mod learning;
 mod move_planner;
+mod publication;
 mod random_object;
 mod recording;
 mod reduced;
