@@ -25,6 +25,7 @@ mod notation;
 pub mod operating;
 pub mod parameters;
 pub mod plate;
+pub mod publication;
 pub mod simulation;
 pub mod steering;
 pub mod stiffness;

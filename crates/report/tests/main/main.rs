@@ -6,4 +6,5 @@ mod control;
 mod diagnosis;
 mod document;
 mod page;
+mod publication;
 mod stiffness_text;
