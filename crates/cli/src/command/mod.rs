@@ -26,6 +26,7 @@ mod output;
 mod own_folder;
 mod plate;
 mod progress;
+mod publication;
 mod seed;
 mod shell;
 mod simulate;
@@ -169,6 +170,11 @@ enum Command {
         ("Units", "SI and radians; ω in units of π"),
     ]))]
     Plate(Box<plate::PlateArgs>),
+    /// The publication behind the plate and the robots: each equation, where it is here, and whether it is right
+    #[command(after_help = examples(&publication::EXAMPLES), after_long_help = guide(&publication::EXAMPLES, &[(
+        "Exit codes", "0  printed\n2  there is no such number",
+    )]))]
+    Publication(publication::PublicationArgs),
     /// Stiffness of a robot: identify it from measurements and compensate for the deformation
     #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
     Stiffness(StiffnessCommand),
@@ -214,7 +220,7 @@ impl Command {
             Self::Plate(args) => args.files(),
             Self::Stiffness(command) => command.files(),
             Self::Control(args) => Given::problem(&args.problem),
-            Self::Demo(_) | Self::New(_) | Self::Completions(_) | Self::Man(_) => Vec::new(),
+            Self::Demo(_) | Self::New(_) | Self::Publication(_) | Self::Completions(_) | Self::Man(_) => Vec::new(),
         }
     }
 }
@@ -263,6 +269,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Steer(args)) => steer::run(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
+        Some(Command::Publication(args)) => publication::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),
         Some(Command::Experiment(args)) => experiment::run(&args, &output),
         Some(Command::Stiffness(command)) => stiffness::run(&command, &output),

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use crate::common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "demo",
     "new",
     "analyze",
@@ -22,6 +22,7 @@ const COMMANDS: [&str; 18] = [
     "diagnose",
     "experiment",
     "plate",
+    "publication",
     "stiffness",
     "completions",
     "man",

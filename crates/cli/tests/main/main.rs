@@ -28,6 +28,7 @@ mod parameters;
 mod plate_bearing;
 mod plate_command;
 mod plate_comparison;
+mod publication;
 mod report;
 mod simulate;
 mod steer;

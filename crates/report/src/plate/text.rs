@@ -52,6 +52,10 @@ pub(super) fn setup(ran: &PlateExperiment) -> Vec<(&'static str, String)> {
     let [x, y, phi] = setup.start;
     facts.push(("start", format!("x {} m, y {} m, φ {:.2}°", round(x), round(y), phi * DEGREES)));
     facts.push(("numerics", numerics(setup)));
+    if setup.model == PlateModel::Published {
+        let said = "the torque of this model has the wrong sign, and nothing brakes the spin: see `bracketry publication 3.16`";
+        facts.push(("note", said.to_owned()));
+    }
     facts
 }
 
