@@ -38,18 +38,23 @@ pub(super) const ENTRIES: &[Entry] = &[
             "crates/plate/tests/main/experiments.rs::experiment_1_turns_an_object_that_sticks",
             "crates/plate/tests/main/reduced.rs::each_of_the_neglected_terms_shows",
         ],
-        commands: &["bracketry plate 1 --model published", "bracketry plate 1"],
+        commands: &[
+            "bracketry plate 1 --model published",
+            "bracketry plate 1",
+            "bracketry plate 1 --model published --mu 0.5",
+        ],
         verdict: Verdict::Wrong,
         remark: "The torque has the wrong sign: Coulomb friction, integrated over a body that slides along x, gives \
                  n = +sgn(x') μ Iₓ θ'', unless the yaw is counted clockwise, seen from above. Friction against the \
                  spin is missing: in experiment 1, the disk turns by −20172° in 15 s, and by +121° with contact over \
                  the whole footprint. Friction acts along each axis by itself: with contact over the footprint, this \
-                 turns the disk by less than 7°, friction against the slip by 118° (without thickness). The \
-                 centrifugal term y θ'² is missing in y'', 2 y' θ' in the load, and the varying load along x; \
+                 turns the disk by less than 7°, friction against the slip by 118° (without thickness). Also missing \
+                 are the centrifugal term y θ'² in y'', 2 y' θ' in the load, the varying load along x, the torque \
+                 −sgn(y') μ Sxy θ'' of slip along y, and the torque Sxy θ'² of bodies that are not round; \
                  docs/records/plate_terms.md shows where each matters. For x' = 0 the equation has no value: \
                  friction is set-valued here, and at μ = 0.5 the printed torque then spins an object that never \
-                 slips. The bracket of the load is not closed; with y θ'' as its last term, the units agree. The yaw \
-                 inertia is not given: Sxx + Syy here.",
+                 slips, by −21929°. The bracket of the load is not closed; with y θ'' as its last term, the units \
+                 agree. The yaw inertia is not given: Sxx + Syy here.",
     },
     Entry {
         kind: Kind::Equation,
@@ -122,11 +127,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         commands: &["bracketry plate 2 --model published", "bracketry plate 2 --omega 4 --model published"],
         verdict: Verdict::Ambiguous,
         remark: "The sign of e is not defined: with e = x − x_d the object reaches the goal, with the other sign it \
-                 moves away. ω is not given: 3π and 4π reach the goal. If e is read at all times, X jumps by up to \
-                 27 mm where e changes its sign, and X'' contains x'', so that equation 3.16 is implicit in x'' \
-                 (solvable, because the factor of x'' is at least 0.97). Here e is read at the start of each period: \
-                 X then jumps by at most 2.7 mm at a change of sign. With 0.51 instead of 0.6, X' starts with a jump \
-                 of 3 mm/s. The amplitude does not vanish with e, so that a cycle around the goal remains.",
+                 moves away. At e = 0 the quotient e/|e| has no value; here the amplitude is 0 there. ω is not \
+                 given: 3π and 4π reach the goal. If e is read at all times, X jumps by up to 27 mm where e changes \
+                 its sign, and X'' contains x'', so that equation 3.16 is implicit in x'' (solvable, because the \
+                 factor of x'' is at least 0.97). Here e is read at the start of each period: X then jumps by at \
+                 most 2.7 mm where only the sign changes. With 0.51 instead of 0.6, X' starts with a jump of 3 mm/s. \
+                 The amplitude does not vanish with e, so that a cycle around the goal remains.",
     },
     Entry {
         kind: Kind::Equation,

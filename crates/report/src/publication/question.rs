@@ -15,13 +15,18 @@ pub(super) const ENTRIES: &[Entry] = &[
             "crates/system/tests/main/affine.rs::the_plate_needs_four_integrators_and_becomes_a_model_file",
             "tests/main/analysis.rs::over_all_modes_smoothed_and_at_rest_the_shape_does_not_matter",
         ],
-        commands: &["bracketry affinize models/plate_published.toml", "bracketry analyze models/plate_published.toml"],
+        commands: &[
+            "bracketry affinize models/plate_published.toml",
+            "bracketry analyze models/plate_published.toml",
+            "bracketry affinize models/plate_published.toml --candidate 1",
+        ],
         verdict: Verdict::Answered,
         remark: "No change of coordinates is needed. Two integrators in front of each input make X'' and θ'' the \
                  inputs of an affine system with ten states, x, y, φ, x', y', φ', X, X', θ, θ'. Fewer integrators \
-                 alone do not suffice. Since only X'' enters, X'' alone can be the input instead of X, with eight \
-                 states. The new state x' + X' in place of x' does not save integrators, and no change of states \
-                 removes θ'', because its coefficient jumps with the signs of x' and y'.",
+                 alone do not suffice. Since X enters by X'' only, X'' itself can be the input, which leaves eight \
+                 states (the third command). The state x' + X' in place of x' does not save integrators, and a new \
+                 state that absorbs θ'' is rejected, because the coefficient of θ'' jumps with the signs of x' and \
+                 y'. Each mode of friction has smooth equations of its own.",
     },
     Entry {
         kind: Kind::Question,

@@ -62,6 +62,16 @@ fn three_angles_are_a_rotation_vector_to_first_order() {
 }
 
 #[test]
+fn a_stiffness_belongs_to_its_pose() {
+    let mut turned = pose();
+    turned[2] += 10f64.to_radians();
+    let kinematics = Kinematics::new(&kr125(), &turned).unwrap();
+    let there = loaded_compliance(&kr125(), &Springs::linear(&STIFFNESS), &kinematics, &Wrench::zeros()).unwrap();
+    let changed = relative(&there.try_inverse().unwrap(), &compliance().try_inverse().unwrap());
+    assert!((changed - 0.194).abs() < 1e-3, "{changed}");
+}
+
+#[test]
 fn a_stiffness_keeps_its_energy_only_with_the_lever_of_displacements() {
     let mut rng = rng(31);
     let energy = |stiffness: &Matrix6<f64>, twist: &Twist| 0.5 * twist.dot(&(stiffness * twist));
