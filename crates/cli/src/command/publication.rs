@@ -27,6 +27,7 @@ pub(crate) struct PublicationArgs {
 
 /// Prints the entries.
 pub(crate) fn run(args: &PublicationArgs, output: &CommonArgs) -> anyhow::Result<Outcome> {
+    anyhow::ensure!(output.out.is_none(), "--out: publication writes no files; omit it, or redirect what is printed");
     let width = usize::from(args.width);
     let chosen = chosen(&args.numbers)?;
     if output.json {

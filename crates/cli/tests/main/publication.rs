@@ -1,6 +1,7 @@
 //! The command `publication`, and where other commands refer to it.
 
-use crate::common::{bracketry, code, json, text};
+use crate::common::{bracketry, code, json, number, text};
+use serde_json::Value;
 
 #[test]
 fn every_number_is_listed_and_shown() {
@@ -54,4 +55,33 @@ fn a_run_of_the_published_model_refers_to_what_is_wrong_with_it() {
     let run = |model: &str| text(&bracketry(&["plate", "1", "--model", model, "--seconds", "0.5"]).stdout);
     assert!(run("published").contains("bracketry publication 3.16"));
     assert!(!run("point").contains("publication"));
+}
+
+/// What the entries say about runs of the experiments is what the commands give that they name.
+#[test]
+fn runs_give_the_numbers_of_the_entries() {
+    let run = |words: &str| -> Value {
+        let words: Vec<&str> = words.split(' ').chain(["--json"]).collect();
+        serde_json::from_slice(&bracketry(&words).stdout).unwrap()
+    };
+    let turned = |words: &str| number(&run(words), "/final/phi").to_degrees();
+    assert_eq!(turned("plate 1 --model published").trunc(), -20172.0);
+    assert_eq!(turned("plate 1 --model published --mu 0.5").trunc(), -21929.0);
+    let area = run("plate 1");
+    assert_eq!(number(&area, "/final/phi").to_degrees().round(), 121.0);
+    let reached = |v: &Value| (100.0 * number(v, "/reached")).round();
+    assert_eq!(reached(&area), 1162.0);
+    for (words, hundredths) in [
+        ("plate 2 --model published", 237.0),
+        ("plate 2", 237.0),
+        ("plate 2 --omega 4 --model published", 150.0),
+        ("plate 3 --model published", 321.0),
+        ("plate 3", 291.0),
+    ] {
+        assert!((reached(&run(words)) - hundredths).abs() <= 1.0, "{words}");
+    }
+    let stalled = run("plate 3 --model published --mu 0.4");
+    assert!(stalled["reached"].is_null() && (1e3 * number(&stalled, "/final/y") + 6.3).abs() < 0.05);
+    let o = bracketry(&["publication", "3.16", "--out", "out"]);
+    assert!(code(&o) == 2 && text(&o.stderr).contains("--out"));
 }
