@@ -277,10 +277,10 @@ pub(super) const ENTRIES: &[Entry] = &[
         remark: "The algebra is right, the estimate is biased: W is regressed on ΔX, and the noise of ΔX makes K too \
                  small, however many measurements there are (errors in variables). For the KR 125 with loads to 1000 \
                  N and 60 N·m and noise of 20 µm and 50 µrad, the error of K tends to 73 % (Frobenius norm, SI \
-                 units); in the least visible direction K is too small by a factor of 0.105. With moments to 20 N·m, \
-                 the stiffnesses about x and z are 94 % too small. ΔX on W is nearly free of bias, because loads are \
-                 measured well; the positive definite fit and the fit of joint springs are consistent \
-                 (docs/records/stiffness_identification.md).",
+                 units); in the direction that is least visible in ΔX, a share of 0.105 of K remains. With moments \
+                 to 20 N·m, the stiffnesses about x and z are 94 % too small. ΔX on W is nearly free of bias, \
+                 because loads are measured well; the positive definite fit and the fit of joint springs are \
+                 consistent (docs/records/stiffness_identification.md).",
     },
     Entry {
         kind: Kind::Figure,
