@@ -244,6 +244,14 @@ fn the_noise_of_displacements_makes_the_published_stiffness_too_small() {
     let visible = (whitened * moments(60.0) * whitened.transpose()).symmetric_eigenvalues();
     let smallest = visible.min() / (1.0 + visible.min());
     assert!((smallest - 0.105).abs() < 1e-3, "{smallest}");
+    // Displacements under forces are large against their noise and stay right; those under moments are not.
+    let [forces, moments_alone] = [0, 3].map(|first| {
+        let wrench = Wrench::from_fn(|i, _| if i / 3 * 3 == first { load()[i] } else { 0.0 });
+        let (exact, predicted) = (compliance * wrench, limit(60.0).try_inverse().unwrap() * wrench);
+        [0, 3].map(|i| (predicted - exact).fixed_rows::<3>(i).norm() / exact.fixed_rows::<3>(i).norm())
+    });
+    assert!(forces[0] < 0.002 && forces[1] < 0.005, "{forces:?}");
+    assert_eq!(moments_alone.map(|share| (100.0 * share).round()), [13.0, 43.0], "{moments_alone:?}");
     // Small moments: little is left of the stiffnesses about x and z.
     let small = limit(20.0);
     for i in [3, 5] {
