@@ -61,9 +61,21 @@ pub fn page() -> String {
         item(&mut out, "Here", entry.places.iter().map(|p| format!("[`{}`]({ROOT}{})", p.name, p.file)));
         item(&mut out, "Tests", entry.tests.iter().map(|test| format!("`{test}`")));
         item(&mut out, "Commands", entry.commands.iter().map(|command| format!("`{command}`")));
-        let _ = write!(out, "\n{}", paragraph(&format!("**Verdict: {}.** {}", entry.verdict, entry.remark)));
+        let _ = write!(out, "\n{}", paragraph(&format!("**Verdict: {}.** {}", entry.verdict, linked(entry.remark))));
     }
     out
+}
+
+/// The text with links in place of the paths of documents.
+fn linked(text: &str) -> String {
+    let (mut out, mut rest) = (String::new(), text);
+    while let Some((before, (path, after))) =
+        rest.split_once("docs/").and_then(|(before, from)| Some((before, from.split_once(".md")?)))
+    {
+        let _ = write!(out, "{before}[{path}.md]({path}.md)");
+        rest = after;
+    }
+    out + rest
 }
 
 /// A text in lines.
