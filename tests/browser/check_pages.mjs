@@ -116,8 +116,7 @@ function compare(where, said, { file, columns }) {
 async function values(page, where, data) {
   const plot = page.locator(".plot").first();
   await plot.scrollIntoViewIfNeeded();
-  const isChart = (await plot.locator("g[data-box]").count()) > 0;
-  if (!isChart) return marks(page, where, plot);
+  if (await plot.locator("rect[pointer-events]").count()) return marks(page, where, plot);
   const panel = await plot.locator("g[data-box]").first().evaluate((g) => {
     // What the browser draws there, not what the page computes.
     const [seen, axis] = [g.getScreenCTM(), g.dataset.x.split(" ").map(Number)];
@@ -145,7 +144,8 @@ async function values(page, where, data) {
 
 /** A figure of bars or tiles says what is under the pointer, and steps through them by keyboard. */
 async function marks(page, where, plot) {
-  const said = async () => ((await plot.locator("output").isVisible()) ? plot.locator("output").textContent() : null);
+  // The first line; in a map its place follows.
+  const said = async () => ((await plot.locator("output").isVisible()) ? (await plot.locator("output").textContent()).split("\n")[0] : null);
   const all = await plot.locator("rect[pointer-events]").all();
   const titles = await Promise.all(all.map((mark) => mark.textContent()));
   const place = await all[0].boundingBox();

@@ -21,6 +21,11 @@ export function pagesOf(root, out, run) {
   add("control", "control.html", ["control", guide("ball_problem.toml")], { file: file("control", "closed_loop.csv"), columns: {} }, [0, 1]);
   add("diagnose", "diagnosis.html", ["diagnose", guide("ball.toml"), file("measured", "measured.csv"), "--hold", "linear"], undefined, [0, 1]);
   add("analyze", "analysis.html", ["analyze", guide("ball.toml")], undefined, [0, 1]);
+  const map = ["--map", "l=0.1..1,m=0.05..1", "--cells", "6"];
+  add("map", "parameter_map.html", ["analyze", model("cart_pole.toml"), ...map], undefined, [0, 1]);
+  add("parameters", "parameters.html", ["analyze", model("cart_pole.toml"), "--parameters", "l"], undefined, [0, 1], false);
+  const rest = ["--from-rest", "--bounds", "der(theta,2)=-20..20", "--map", "der(X,2)=1..5,theta=0.1..0.5", "--cells", "6"];
+  add("rest", "from_rest_map.html", ["analyze", model("plate_published.toml"), ...rest], undefined, [0, 1]);
   add("plate", "plate.html", ["plate", "1", "--seconds", "2", "--gif"], undefined, [0, 1]);
   const robot = model("kr125.toml");
   add("identify", "identification.html", ["stiffness", "identify", measurements(file("", "measurements.csv")), robot, "--keep-outliers"], undefined, [0, 1]);

@@ -167,7 +167,7 @@ pub fn page(
     if !notes.is_empty() {
         chapters.push(Chapter::new("Notes", html::list(notes.into_iter().map(|(_, said)| said))));
     }
-    chapters.push(html::model("Model of the plant", &problem.plant));
+    chapters.push(Chapter::model("Model of the plant", &problem.plant));
     chapters.push(Chapter::files(files));
     Page::new(format!("Closed loop of {}", problem.system.name), lead).chapters(chapters).html()
 }

@@ -7,6 +7,7 @@ use bracketry::Analysis;
 use bracketry::lie::observability::{IdentifiabilityOptions, ObservabilityReport};
 use bracketry::lie::parameters::{ParameterOptions, ParameterRange};
 use bracketry::lie::{AnalysisError, AnalysisOptions, identifiability, parameter_cases, parameter_map};
+use bracketry::report::Figure;
 use bracketry::report::analysis as report;
 use bracketry::report::identifiability::{identifiability_json, identifiability_text};
 use bracketry::report::parameters::{
@@ -17,7 +18,7 @@ use clap::{Args, ValueEnum};
 
 use super::from_rest;
 use super::limits::TimeLimit;
-use super::output::{PageArgs, figure, folder, json, line, listed, print, save_figures, write};
+use super::output::{PageArgs, TextReport, folder, json, line, listed, print, save_figures, write};
 use super::progress::spinner;
 use super::style::error;
 use super::{CommonArgs, Outcome};
@@ -76,22 +77,22 @@ pub(crate) struct AnalyzeArgs {
     #[command(flatten)]
     pub(crate) time_limit: TimeLimit,
     /// Report which rest states bounded inputs can reach, under dry friction, from the rest state at the point
-    #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability", "open"])]
+    #[arg(long, conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "identifiability"])]
     from_rest: bool,
     /// Bounds of inputs, of their derivatives, and of states, such as "der(X,2)=-4..4,theta=-0.2..0.2", for --from-rest;
     /// in addition to the ranges of the model
     #[arg(long, value_name = "NAME=LOW..HIGH,…", allow_hyphen_values = true, requires = "from_rest")]
     bounds: Option<String>,
     /// Treat these parameters as symbolic ("symbolic": all) and list the values at which verdicts change
-    #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "open"])]
+    #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
     parameters: Option<String>,
     /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; with --from-rest over two bounds, such as
     /// "der(X,2)=1..6,theta=0.1..0.5", about the values at rest; the figure goes to --out
     #[arg(long, value_name = "A=LOW..HIGH,B=LOW..HIGH", allow_hyphen_values = true,
-        conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters", "open"])]
+        conflicts_with_all = ["brackets", "determines", "markdown", "format", "parameters"])]
     map: Option<String>,
     /// Local and global identifiability of parameters and initial states, and identifiable combinations
-    #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map", "open"])]
+    #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map"])]
     identifiability: bool,
     /// State whose initial value is known, as x or x=0, for --identifiability; comma-separated; may be repeated
     #[arg(long, value_name = "STATE[=VALUE],…", value_delimiter = ',', requires = "identifiability")]
@@ -139,6 +140,7 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &CommonArgs) -> anyhow::Result
             map: args.map.as_deref(),
             cells: args.cells,
             time_limit: args.time_limit.get(),
+            page: args.page,
         };
         return from_rest::run(&system, &request, output);
     }
@@ -201,9 +203,9 @@ fn identifiable(system: &System, args: &AnalyzeArgs, output: &CommonArgs) -> any
     progress.finish_and_clear();
     let (text, value) = (identifiability_text(&report), json(&identifiability_json(&report))?);
     if let Some(dir) = &output.out {
-        folder(dir)?;
-        write(&dir.join("identifiability.txt"), &text)?;
-        write(&dir.join("identifiability.json"), &value)?;
+        let title = format!("Identifiability of {}", system.name);
+        let (text, json, figures) = (&*text, &*value, Vec::new());
+        TextReport { name: "identifiability", title, text, json, figures, system }.save(dir, args.page)?;
     }
     print(if output.json { &value } else { &text })?;
     Ok(if report.decided(options.global) { Outcome::Done } else { Outcome::Negative })
@@ -229,9 +231,9 @@ fn cases(system: &System, names: &str, args: &AnalyzeArgs, output: &CommonArgs) 
     progress.finish_and_clear();
     let (text, value) = (parameter_text(&report), json(&parameter_json(&report))?);
     if let Some(dir) = &output.out {
-        folder(dir)?;
-        write(&dir.join("parameters.txt"), &text)?;
-        write(&dir.join("parameters.json"), &value)?;
+        let title = format!("Cases of the parameters of {}", system.name);
+        let (text, json, figures) = (&*text, &*value, Vec::new());
+        TextReport { name: "parameters", title, text, json, figures, system }.save(dir, args.page)?;
     }
     print(if output.json { &value } else { &text })?;
     Ok(if report.is_complete() { Outcome::Done } else { Outcome::Negative })
@@ -246,10 +248,11 @@ fn cells(system: &System, map: &str, args: &AnalyzeArgs, output: &CommonArgs) ->
     progress.finish_and_clear();
     let (text, value) = (parameter_map_text(&found), json(&parameter_map_json(&found))?);
     if let Some(dir) = &output.out {
-        folder(dir)?;
-        write(&dir.join("parameter_map.txt"), &text)?;
-        write(&dir.join("parameter_map.json"), &value)?;
-        figure(&parameter_figure(&system.all_quantities(), &found).draw(), &dir.join("parameter_map"));
+        let title = format!("Verdicts on {} over two parameters", system.name);
+        let drawing = parameter_figure(&system.all_quantities(), &found).draw();
+        let figures = vec![Figure::new("parameter_map", "Verdicts over two parameters", drawing)];
+        let (text, json) = (&*text, &*value);
+        TextReport { name: "parameter_map", title, text, json, figures, system }.save(dir, args.page)?;
     }
     print(if output.json { &value } else { &text })?;
     Ok(if found.report.is_complete() { Outcome::Done } else { Outcome::Negative })

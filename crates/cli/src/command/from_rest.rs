@@ -4,13 +4,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Context;
+use bracketry::report::Figure;
 use bracketry::report::from_rest::{
     from_rest_cones, from_rest_json, from_rest_map_figure, from_rest_map_json, from_rest_map_text, from_rest_text,
 };
 use bracketry::steer::from_rest::{Answer, Bound, FromRestOptions, from_rest, from_rest_map};
 use bracketry::system::System;
 
-use super::output::{figure, folder, json, print, write};
+use super::output::{PageArgs, TextReport, json, print};
 use super::progress::spinner;
 use super::{CommonArgs, Outcome};
 
@@ -26,6 +27,8 @@ pub(crate) struct Request<'a> {
     pub(crate) cells: usize,
     /// When to stop.
     pub(crate) time_limit: Duration,
+    /// What becomes of the page.
+    pub(crate) page: PageArgs,
 }
 
 /// Prints the answer, and draws the cone of displacements.
@@ -41,12 +44,13 @@ pub(crate) fn run(system: &System, args: &Request<'_>, output: &CommonArgs) -> a
     progress.finish_and_clear();
     let (text, value) = (from_rest_text(&system.quantities, &found), json(&from_rest_json(&found))?);
     if let Some(dir) = &output.out {
-        folder(dir)?;
-        write(&dir.join("from_rest.txt"), &text)?;
-        write(&dir.join("from_rest.json"), &value)?;
-        for (name, drawing) in from_rest_cones(&system.quantities, &found) {
-            figure(&drawing, &dir.join(format!("displacements_{name}")));
-        }
+        let cone = |(name, drawing): (String, _)| {
+            Figure::new(format!("displacements_{name}"), format!("Displacements from rest, {name}"), drawing)
+        };
+        let figures = from_rest_cones(&system.quantities, &found).into_iter().map(cone).collect();
+        let title = format!("From rest to rest: {}", system.name);
+        let (text, json) = (&*text, &*value);
+        TextReport { name: "from_rest", title, text, json, figures, system }.save(dir, args.page)?;
     }
     print(if output.json { &value } else { &text })?;
     Ok(if found.answer == Answer::Unknown { Outcome::Negative } else { Outcome::Done })
@@ -68,10 +72,11 @@ fn cells(
     progress.finish_and_clear();
     let (text, value) = (from_rest_map_text(&found), json(&from_rest_map_json(&found))?);
     if let Some(dir) = &output.out {
-        folder(dir)?;
-        write(&dir.join("from_rest_map.txt"), &text)?;
-        write(&dir.join("from_rest_map.json"), &value)?;
-        figure(&from_rest_map_figure(&system.quantities, &found), &dir.join("from_rest_map"));
+        let drawing = from_rest_map_figure(&system.quantities, &found);
+        let figures = vec![Figure::new("from_rest_map", "What changes from rest to rest, over two bounds", drawing)];
+        let title = format!("From rest to rest, over two bounds: {}", system.name);
+        let (text, json) = (&*text, &*value);
+        TextReport { name: "from_rest_map", title, text, json, figures, system }.save(dir, args.page)?;
     }
     print(if output.json { &value } else { &text })?;
     Ok(if found.is_complete() { Outcome::Done } else { Outcome::Negative })

@@ -8,6 +8,8 @@ use std::process::{Command, Stdio};
 use anyhow::Context;
 use bracketry::plot::{Drawing, PlotError};
 use bracketry::report::Figure;
+use bracketry::report::html::Page;
+use bracketry::system::System;
 use clap::Args;
 use serde::Serialize;
 
@@ -113,6 +115,36 @@ impl PageArgs {
             Err(e) => e.to_string(),
         };
         warning(&format!("cannot open {} with {program}: {why}", page.display()));
+    }
+}
+
+/// A report of text and JSON, perhaps with figures, for a folder.
+pub(crate) struct TextReport<'a> {
+    /// Name of its files, without ending.
+    pub(crate) name: &'a str,
+    /// Title of its page.
+    pub(crate) title: String,
+    pub(crate) text: &'a str,
+    pub(crate) json: &'a str,
+    pub(crate) figures: Vec<Figure>,
+    /// The model that it is about.
+    pub(crate) system: &'a System,
+}
+
+impl TextReport<'_> {
+    /// Writes it with its page, which is opened where that was asked for.
+    pub(crate) fn save(&self, dir: &Path, page: PageArgs) -> anyhow::Result<()> {
+        folder(dir)?;
+        let file = |ending: &str| format!("{}.{ending}", self.name);
+        write(&dir.join(file("txt")), self.text)?;
+        write(&dir.join(file("json")), self.json)?;
+        let (text, json) = (file("txt"), file("json"));
+        let mut files = listed(&[(text.as_str(), "the report as text"), (json.as_str(), "all results, for programs")]);
+        files.extend(save_figures(&self.figures, dir));
+        let path = dir.join(file("html"));
+        write(&path, &Page::of_text(&self.title, self.text, &self.figures, self.system, &files))?;
+        page.open(&path);
+        Ok(())
     }
 }
 

@@ -46,18 +46,18 @@ impl Story {
             let films = animations.iter().filter(|a| a.chapter == chapter);
             films.map(|a| html::animation(&a.gif, &a.still, &format!("{}, in real time.", a.title))).collect()
         };
-        let whole = "Everything that the command prints of this";
+        let whole = |chapter: usize| format!("Everything that the command prints of chapter {chapter}");
         let drawn = |k: usize| html::folded_figures(&figures[k]);
         let moved = |chapter: usize, moved: &MoveOnPlant| {
             paragraph(&moved.outcome())
                 + &of_rows(&format!("Final errors, {}", moved.model), LOOPS, moved.errors())
                 + &film(chapter)
                 + &drawn(chapter - 1)
-                + &verbatim(whole, &moved.to_string())
+                + &verbatim(&whole(chapter), &moved.to_string())
         };
         let m = &self.on_equations;
         let second =
-            of_rows("Final errors", METHODS, m.errors()) + &film(2) + &drawn(1) + &verbatim(whole, &m.to_string());
+            of_rows("Final errors", METHODS, m.errors()) + &film(2) + &drawn(1) + &verbatim(&whole(2), &m.to_string());
         let ranks = text::of_ranks(self.diagnosis.ranks.as_ref(), self.diagnosis.report.evidence.model.is_some());
         let sixth = match &self.extended {
             Some(extended) => moved(6, extended),
@@ -68,7 +68,7 @@ impl Story {
             second,
             moved(3, &self.as_published),
             verbatim("The logs", &text::of_logs(&self.logs)) + &self.diagnosis.verdict(),
-            html::gallery(&figures[4]) + &verbatim(whole, &ranks),
+            html::gallery(&figures[4]) + &verbatim(&whole(5), &ranks),
             sixth,
         ];
         let titles = [text::FIRST, text::SECOND, text::THIRD, text::FOURTH, text::FIFTH, text::SIXTH];

@@ -90,13 +90,27 @@ fn stiffness_commands_have_pages() {
 }
 
 #[test]
-fn a_page_is_opened_only_where_there_is_one() {
+fn a_page_is_opened_only_with_a_folder_for_it() {
     let ball = guide("ball.toml");
     let o = bracketry(&["analyze", &ball, "--open"]);
     assert!(code(&o) == 2 && text(&o.stderr).contains("--out DIR"), "{}", text(&o.stderr));
-    let out = scratch("page_open").join("out");
-    let o = bracketry(&["analyze", &ball, "--identifiability", "--open", "--out", out.to_str().unwrap()]);
-    assert!(code(&o) == 2 && !out.exists(), "{}", text(&o.stderr));
+}
+
+#[test]
+fn all_kinds_of_analysis_have_a_page() {
+    let (unicycle, table) = (model("unicycle.toml"), model("shaken_table.toml"));
+    let pendulum = model("cart_pole.toml");
+    let bounds = "der(X,2)=-4..4";
+    for (name, arguments) in [
+        ("identifiability", vec!["analyze", &unicycle, "--identifiability"]),
+        ("parameters", vec!["analyze", &pendulum, "--parameters", "l"]),
+        ("parameter_map", vec!["analyze", &pendulum, "--map", "l=0.1..1,m=0.05..1", "--cells", "4"]),
+        ("from_rest", vec!["analyze", &table, "--from-rest", "--bounds", bounds]),
+    ] {
+        let (page, out) = page(&format!("page_{name}"), &arguments);
+        assert!(out.join(format!("{name}.html")).is_file());
+        assert_all_linked(&page, &out);
+    }
 }
 
 #[cfg(target_os = "linux")]

@@ -28,7 +28,7 @@ pub fn page(a: &Analysis, figures: &[Figure], files: &[(String, String)]) -> Str
             "The whole report",
             verbatim("Ranks, brackets, and verdicts, as the command prints them", &text(a)),
         ),
-        html::model("Model", &a.original),
+        Chapter::model("Model", &a.original),
         affine_form(a),
         Chapter::files(files),
     ];

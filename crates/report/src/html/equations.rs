@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Expr, Node, Notation, Pool};
 use bracketry_system::System;
 
-use super::{Chapter, escaped, symbol, table};
+use super::{escaped, symbol, table};
 use crate::notation::rate_of;
 
 /// Nodes, shared ones counted each time, beyond which expressions stay as they are: nobody reads them.
@@ -21,8 +21,8 @@ pub fn equations(system: &System) -> String {
     table(&name, &[], system.state_names().into_iter().zip(rates).filter_map(row))
 }
 
-/// The chapter with equations, parameters, and outputs of a model.
-pub fn model(title: &str, system: &System) -> Chapter {
+/// Equations, parameters, and outputs of a model.
+pub(super) fn model(system: &System) -> String {
     let mut out = equations(system);
     if !system.parameters.is_empty() {
         let rows = system.parameters.iter().map(|p| {
@@ -39,7 +39,7 @@ pub fn model(title: &str, system: &System) -> Chapter {
         let rows = names.zip(expressions).map(|(name, e)| vec![format!("{name} ="), set(system, &mut pool, e)]);
         out += &table("Outputs", &[], rows);
     }
-    Chapter::new(title, out)
+    out
 }
 
 /// An expression, shorter where canceling makes it so.

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use bracketry_symbolic::Notation;
 
-pub use equations::{equations, model};
+pub use equations::equations;
 pub use figure::{Figure, animation, figures, folded_figures, gallery};
 pub use page::{Chapter, Page};
 
@@ -48,8 +48,17 @@ pub fn folded(line: &str, content: &str) -> String {
 
 /// A report for terminals as it stands, folded under a line.
 pub fn verbatim(line: &str, text: &str) -> String {
-    let name = escaped(line);
-    folded(line, &format!("<pre tabindex=\"0\" role=\"region\" aria-label=\"{name}\">{}</pre>\n", escaped(text)))
+    folded(line, &preformatted(line, text))
+}
+
+/// The same, open at first.
+pub(crate) fn opened(line: &str, text: &str) -> String {
+    verbatim(line, text).replacen("<details>", "<details open>", 1)
+}
+
+fn preformatted(name: &str, text: &str) -> String {
+    let name = escaped(name);
+    format!("<pre tabindex=\"0\" role=\"region\" aria-label=\"{name}\">{}</pre>\n", escaped(text))
 }
 
 /// A row of cells, which are HTML already.

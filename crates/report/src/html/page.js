@@ -57,15 +57,20 @@ for (const plot of document.querySelectorAll(".plot")) {
     output.style.top = Math.max(0, Math.min(down, svg.clientHeight - output.offsetHeight)) + "px";
     if (across < plot.scrollLeft || across > plot.scrollLeft + plot.clientWidth) plot.scrollLeft = across - plot.clientWidth / 2;
   };
-  const showMark = (mark) => {
-    const { x, y, width, height } = mark.getBBox();
-    show([mark.textContent], `M${x} ${y}h${width}v${height}h${-width}z`, x + width / 2, y + height / 2);
+  const across = (p, u) => p.x[0] + ((u - p.box[0]) / (p.box[2] - p.box[0])) * (p.x[1] - p.x[0]);
+  const up = (p, v) => p.y[0] + ((p.box[3] - v) / (p.box[3] - p.box[1])) * (p.y[1] - p.y[0]);
+  const say = ([name, unit], value, [low, high]) => `${name}: ${written(value, high - low)}${unit}`;
+  const panelAt = (x, y) => panels.find(({ box }) => box[0] <= x && x <= box[2] && box[1] <= y && y <= box[3]);
+  // What a mark says, in a map with its place.
+  const showMark = (mark, x, y) => {
+    const box = mark.getBBox();
+    [x, y] = [x ?? box.x + box.width / 2, y ?? box.y + box.height / 2];
+    const panel = panelAt(x, y);
+    const place = panel ? [say(panel.xTitle, across(panel, x), panel.x), say(panel.title, up(panel, y), panel.y)] : [];
+    show([mark.textContent, ...place], `M${box.x} ${box.y}h${box.width}v${box.height}h${-box.width}z`, x, y);
   };
   // Panels above each other have the same horizontal axis.
   const showAt = (panel, x, y) => {
-    const across = (p, u) => p.x[0] + ((u - p.box[0]) / (p.box[2] - p.box[0])) * (p.x[1] - p.x[0]);
-    const up = (p, v) => p.y[0] + ((p.box[3] - v) / (p.box[3] - p.box[1])) * (p.y[1] - p.y[0]);
-    const say = ([name, unit], value, [low, high]) => `${name}: ${written(value, high - low)}${unit}`;
     const lines = [say(panel.xTitle, across(panel, x), panel.x)];
     let path = "";
     for (const p of panels.filter((p) => p.box[0] === panel.box[0] && p.xTitle[0] === panel.xTitle[0])) {
@@ -81,10 +86,10 @@ for (const plot of document.querySelectorAll(".plot")) {
     show(lines, path, x, y ?? panel.box[1]);
   };
   const point = (event) => {
-    if (marks.includes(event.target)) return showMark(event.target);
     const seen = svg.getScreenCTM();
     const [x, y] = [(event.clientX - seen.e) / seen.a, (event.clientY - seen.f) / seen.d];
-    const panel = panels.find(({ box }) => box[0] <= x && x <= box[2] && box[1] <= y && y <= box[3]);
+    if (marks.includes(event.target)) return showMark(event.target, x, y);
+    const panel = panelAt(x, y);
     if (!panel) return hide();
     step = (x - panel.box[0]) / (panel.box[2] - panel.box[0]);
     showAt(panel, x, y);
@@ -109,9 +114,10 @@ for (const button of document.querySelectorAll("figure button")) {
   button.hidden = false;
   button.addEventListener("click", () => set(button.ariaPressed !== "true"));
 }
-// Only what scrolls is a stop of the keyboard; the contents are folded where they stand above the text.
+// Only what scrolls is a stop of the keyboard; the contents are folded where they stand above the text; paper shows all.
 const fit = () => document.querySelectorAll(".wide, pre").forEach((box) => (box.tabIndex = box.scrollWidth > box.clientWidth ? 0 : -1));
 if (matchMedia("(max-width: 69.99rem)").matches) document.querySelector("nav details").open = false;
+addEventListener("beforeprint", () => document.querySelectorAll("main details").forEach((part) => (part.open = true)));
 addEventListener("resize", fit);
 document.addEventListener("toggle", fit, true);
 fit();

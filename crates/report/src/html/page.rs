@@ -5,7 +5,11 @@ use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::{escaped, folded};
+use bracketry_system::System;
+
+use super::equations::model;
+use super::figure::Figure;
+use super::{escaped, folded, opened};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -33,6 +37,11 @@ impl Chapter {
     pub fn parts(mut self, parts: impl IntoIterator<Item = Chapter>) -> Self {
         self.parts.extend(parts);
         self
+    }
+
+    /// Equations, parameters, and outputs of a model.
+    pub fn model(title: &str, system: &System) -> Self {
+        Self::new(title, model(system))
     }
 
     /// Links to files that lie beside the page; a file is its name and what is in it. Many figures are folded.
@@ -74,6 +83,19 @@ impl Page {
     pub fn chapters(mut self, chapters: impl IntoIterator<Item = Chapter>) -> Self {
         self.chapters.extend(chapters);
         self
+    }
+
+    /// A page of a report as text: its first line in front, then these figures, the report as it stands, the model, and links to
+    /// files beside it.
+    pub fn of_text(title: &str, said: &str, figures: &[Figure], system: &System, files: &[(String, String)]) -> String {
+        let first = said.lines().next().unwrap_or_default();
+        let lead = format!("<p class=\"verdict\">{}.</p>\n", escaped(first)) + &super::figures(figures);
+        let chapters = [
+            Chapter::new("The report", opened("As the command prints it", said)),
+            Chapter::model("Model", system),
+            Chapter::files(files),
+        ];
+        Self::new(title, lead).chapters(chapters).html()
     }
 
     /// The page as HTML.

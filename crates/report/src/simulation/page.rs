@@ -31,7 +31,7 @@ pub fn page(
         chapters.push(Chapter::new("Notes", list(&remarks)));
     }
     chapters.extend(mode_changes(system, run));
-    chapters.push(html::model("Model", system));
+    chapters.push(Chapter::model("Model", system));
     chapters.push(Chapter::files(files));
     Page::new(format!("Simulation of {}", system.name), lead).chapters(chapters).html()
 }
