@@ -1,13 +1,13 @@
 //! An analysis as a page.
 
-use bracketry_lie::Analysis;
 use bracketry_lie::analysis::Dimensions;
+use bracketry_lie::{Analysis, Answer};
 
 use super::affinization::changes;
 use super::figures::{growth_figure, reach_figure};
 use super::summary::summary;
-use super::text::{family, text};
-use crate::html::{self, Chapter, Figure, Page, equations, escaped, folded, list, paragraph, table, verbatim};
+use super::text::{family, outputs_tell, point_facts, text};
+use crate::html::{self, Chapter, Figure, Page, equations, escaped, facts, folded, list, paragraph, table, verbatim};
 
 /// The figures of an analysis; what the inputs influence only where the analysis could tell.
 pub fn figures(a: &Analysis) -> Vec<Figure> {
@@ -22,8 +22,15 @@ pub fn figures(a: &Analysis) -> Vec<Figure> {
 pub fn page(a: &Analysis, figures: &[Figure], files: &[(String, String)]) -> String {
     let (first, others) = figures.split_at(figures.len().min(1));
     let lead = format!("<p class=\"verdict\">{}</p>\n", escaped(&summary(a))) + &html::figures(first);
-    let chapters = [
-        Chapter::new("What the inputs reach", dimensions(a) + &html::figures(others)),
+    let mut chapters = vec![Chapter::new("What the inputs reach", dimensions(a) + &html::figures(others))];
+    if let Some(Answer::Known(point)) = &a.report.at_point {
+        chapters.push(Chapter::new("At the point", facts("At the point", point_facts(point))));
+    }
+    if let Some(outputs) = &a.report.observability {
+        let rank = paragraph(&format!("Observability rank: {}.", outputs.rank));
+        chapters.push(Chapter::new("What the outputs tell", rank + &list(outputs_tell(outputs))));
+    }
+    chapters.extend([
         Chapter::new(
             "The whole report",
             verbatim("Ranks, brackets, and verdicts, as the command prints them", &text(a)),
@@ -31,7 +38,7 @@ pub fn page(a: &Analysis, figures: &[Figure], files: &[(String, String)]) -> Str
         Chapter::model("Model", &a.original),
         affine_form(a),
         Chapter::files(files),
-    ];
+    ]);
     Page::new(format!("Analysis of {}", a.model), lead).chapters(chapters).html()
 }
 

@@ -201,17 +201,21 @@ fn switched(f: &mut String, r: &SwitchedReport) -> fmt::Result {
 
 fn point(f: &mut String, r: &PointReport) -> fmt::Result {
     dimensions(f, &r.dimensions)?;
-    writeln!(f, "  equilibrium            {}{}", yes_no(&r.equilibrium), outside(r))?;
-    if let Some(rank) = r.linear_controllability_rank {
-        writeln!(f, "  linear rank            {rank}")?;
-    }
+    point_facts(r).into_iter().try_for_each(|(what, said)| writeln!(f, "  {what:<22} {said}"))
+}
+
+/// What holds at a point: what, and the answer. What belongs to the fact before is indented.
+pub(super) fn point_facts(r: &PointReport) -> Vec<(&'static str, String)> {
+    let mut facts = vec![("equilibrium", format!("{}{}", yes_no(&r.equilibrium), outside(r)))];
+    facts.extend(r.linear_controllability_rank.map(|rank| ("linear rank", rank.to_string())));
     if let Some(s) = &r.stabilizable {
         let why = r.stabilizable_reason.as_ref().filter(|_| s.known().is_some());
-        writeln!(f, "  stabilizable           {}{}", yes_no(s), why.map_or(String::new(), |w| format!(": {w}")))?;
+        let said = format!("{}{}", yes_no(s), why.map_or(String::new(), |w| format!(": {w}")));
+        facts.push(("stabilizable", said));
     }
     if let Some(modes) = r.uncontrollable_modes.as_ref().and_then(Answer::known).filter(|m| !m.is_empty()) {
         let modes: Vec<String> = modes.iter().map(eigenvalue).collect();
-        writeln!(f, "  uncontrollable modes   {}", modes.join(";  "))?;
+        facts.push(("uncontrollable modes", modes.join(";  ")));
     }
     if let Some(brockett) = &r.brockett_condition {
         let what = match brockett {
@@ -219,19 +223,15 @@ fn point(f: &mut String, r: &PointReport) -> fmt::Result {
             Answer::Known(false) => "fails: no continuous state feedback stabilizes".to_owned(),
             Answer::Unknown(why) => format!("unknown ({why})"),
         };
-        writeln!(f, "  Brockett's condition   {what}")?;
+        facts.push(("Brockett's condition", what));
     }
-    writeln!(f, "  small-time control     {}: {}", r.stlc.verdict, r.stlc.reason)?;
-    if let Some(bounded) = &r.stlc.bounded {
-        writeln!(f, "    bounded inputs       {}: {}", bounded.verdict, bounded.reason)?;
-    }
-    if let Some(smoothed) = &r.smoothed_stlc {
-        writeln!(f, "    smoothed model       {}: {}", smoothed.verdict, smoothed.reason)?;
-    }
-    match &r.relative_degree_defined {
-        Some(defined) => writeln!(f, "  vector relative degree {}", yes_no(defined)),
-        None => Ok(()),
-    }
+    facts.push(("small-time control", format!("{}: {}", r.stlc.verdict, r.stlc.reason)));
+    let bounded = r.stlc.bounded.as_ref();
+    facts.extend(bounded.map(|b| ("  bounded inputs", format!("{}: {}", b.verdict, b.reason))));
+    let smoothed = r.smoothed_stlc.as_ref();
+    facts.extend(smoothed.map(|s| ("  smoothed model", format!("{}: {}", s.verdict, s.reason))));
+    facts.extend(r.relative_degree_defined.as_ref().map(|defined| ("vector relative degree", yes_no(defined))));
+    facts
 }
 
 /// Why a point at which the right-hand side vanishes may be no equilibrium.
@@ -364,46 +364,52 @@ fn brackets(f: &mut String, brackets: &[RequestedBracket]) -> fmt::Result {
 /// What the outputs tell, naming the model that it is `of`.
 fn observability(f: &mut String, r: &ObservabilityReport, of: &str) -> fmt::Result {
     writeln!(f, "{of}observability rank: {}", r.rank)?;
+    outputs_tell(r).iter().try_for_each(|said| writeln!(f, "  {said}"))
+}
+
+/// What the outputs tell beside the rank, a line each.
+pub(super) fn outputs_tell(r: &ObservabilityReport) -> Vec<String> {
+    let mut out = Vec::new();
     if !r.unobservable.is_empty() {
-        writeln!(f, "  not determined by the outputs: {}", joined(&r.unobservable, ", "))?;
+        out.push(format!("not determined by the outputs: {}", joined(&r.unobservable, ", ")));
     }
     for d in &r.unobservable_directions {
-        writeln!(f, "  no output changes along {}", direction(d))?;
+        out.push(format!("no output changes along {}", direction(d)));
     }
     for (name, yes) in r.identifiable.iter().flat_map(|m| &m.0) {
-        writeln!(f, "  parameter {name}: {}", if *yes { "locally identifiable" } else { "not identifiable" })?;
+        out.push(format!("parameter {name}: {}", if *yes { "locally identifiable" } else { "not identifiable" }));
     }
     if let Some(Undetermined { names, reason }) = &r.undecided_parameters {
         let noun = if names.len() == 1 { "parameter" } else { "parameters" };
-        writeln!(f, "  {noun} {}: identifiability unknown ({reason})", joined(names, ", "))?;
+        out.push(format!("{noun} {}: identifiability unknown ({reason})", joined(names, ", ")));
     }
     let hidden = |list: &Option<Named<bool>>| -> Vec<String> {
         list.iter().flat_map(|m| &m.0).filter(|v| !v.1).map(|v| v.0.clone()).collect()
     };
     let states = hidden(&r.identifiable_states);
     if !states.is_empty() {
-        writeln!(f, "  states not determined while parameters are unknown: {}", joined(&states, ", "))?;
+        out.push(format!("states not determined while parameters are unknown: {}", joined(&states, ", ")));
     }
     if r.identifiable_without_inputs != r.identifiable {
         let names = hidden(&r.identifiable_without_inputs);
         if !names.is_empty() {
-            writeln!(f, "  not identifiable with all inputs at zero: {}", joined(&names, ", "))?;
+            out.push(format!("not identifiable with all inputs at zero: {}", joined(&names, ", ")));
         }
     }
     if let Some(why) = &r.undecided_without_inputs {
-        writeln!(f, "  identifiability with all inputs at zero: unknown ({why})")?;
+        out.push(format!("identifiability with all inputs at zero: unknown ({why})"));
     }
     for d in r.unidentifiable_directions.iter().filter(|d| !r.unobservable_directions.contains(d)) {
-        writeln!(f, "  while parameters are unknown, no output changes along {}", direction(d))?;
+        out.push(format!("while parameters are unknown, no output changes along {}", direction(d)));
     }
     if let Some(why) = &r.undecided_directions {
-        writeln!(f, "  directions along which no output changes: unknown ({why})")?;
+        out.push(format!("directions along which no output changes: unknown ({why})"));
     }
     if let Some(fix) = &r.fix_to_identify {
-        writeln!(f, "  to make all parameters locally identifiable, it suffices to know: {}", joined(fix, ", "))?;
+        out.push(format!("to make all parameters locally identifiable, it suffices to know: {}", joined(fix, ", ")));
     }
     for (text, yes) in r.determined.iter().flat_map(|m| &m.0) {
-        writeln!(f, "  {text}: {}", if *yes { "locally determined" } else { "not determined" })?;
+        out.push(format!("{text}: {}", if *yes { "locally determined" } else { "not determined" }));
     }
-    Ok(())
+    out
 }

@@ -76,7 +76,11 @@ pub fn compensation_page(run: &CompensatedLog, figures: &[Figure], files: &[(Str
 pub fn poses_page(found: &ChosenPoses, files: &[(String, String)]) -> String {
     let said = text::chosen_poses(found);
     let lead = verdict(said.lines().next().unwrap_or_default());
-    let chapters = vec![Chapter::new("Expected errors", verbatim("Of the chosen measurements, and of all", &said))];
+    let rows = text::expected_errors(found).into_iter().map(Vec::from).collect();
+    let errors = of_text("Expected errors", &["expected error", "of these", "of all"], rows);
+    let known = if found.springs_known { String::new() } else { paragraph(text::NO_SPRINGS) };
+    let lines = paragraph(&format!("Lines {} of the table.", text::listed(&found.lines)));
+    let chapters = vec![Chapter::new("Expected errors", errors + &known), Chapter::new("Chosen measurements", lines)];
     written(format!("Measurements for {}", found.robot), lead, chapters, files)
 }
 

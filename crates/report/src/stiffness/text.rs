@@ -270,6 +270,23 @@ pub fn lost_motion(report: &LostMotionReport) -> String {
     })
 }
 
+/// What is assumed without springs.
+pub(super) const NO_SPRINGS: &str = "the robot file has no springs: 1 MN·m/rad was taken for each joint";
+
+/// Expected errors and the condition: what, of the chosen measurements, of all.
+pub(super) fn expected_errors(found: &ChosenPoses) -> Vec<[String; 3]> {
+    let percent = |value: &Option<f64>| {
+        value.map_or_else(|| "not identified".to_owned(), |value| format!("{:.1} %", 100.0 * value))
+    };
+    let errors = found.parameters.iter().zip(&found.chosen.errors).zip(&found.all.errors);
+    let mut rows: Vec<[String; 3]> = errors
+        .map(|(((joint, name), chosen), all)| [format!("joint {joint} {name}"), percent(chosen), percent(all)])
+        .collect();
+    let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| format!("{value:.1}"));
+    rows.push(["condition".to_owned(), number(found.chosen.condition), number(found.all.condition)]);
+    rows
+}
+
 /// A choice of measurements.
 pub fn chosen_poses(found: &ChosenPoses) -> String {
     printed(|out| {
@@ -282,18 +299,11 @@ pub fn chosen_poses(found: &ChosenPoses) -> String {
         )?;
         writeln!(out, "lines {}", listed(&found.lines))?;
         writeln!(out, "\n{:20} {:>16} {:>16}", "expected error", "of these", "of all")?;
-        let percent = |value: &Option<f64>| {
-            value.map_or_else(|| "not identified".to_owned(), |value| format!("{:.1} %", 100.0 * value))
-        };
-        for (((joint, name), chosen), all) in found.parameters.iter().zip(&found.chosen.errors).zip(&found.all.errors) {
-            let name = format!("joint {joint} {name}");
-            writeln!(out, "{name:20} {:>16} {:>16}", percent(chosen), percent(all))?;
+        for [what, chosen, all] in expected_errors(found) {
+            writeln!(out, "{what:20} {chosen:>16} {all:>16}")?;
         }
-        let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| format!("{value:.1}"));
-        let (chosen, all) = (number(found.chosen.condition), number(found.all.condition));
-        writeln!(out, "{:20} {chosen:>16} {all:>16}", "condition")?;
         if !found.springs_known {
-            writeln!(out, "\nthe robot file has no springs: 1 MN·m/rad was taken for each joint")?;
+            writeln!(out, "\n{NO_SPRINGS}")?;
         }
         Ok(())
     })
