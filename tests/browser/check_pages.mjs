@@ -130,6 +130,8 @@ async function values(page, where, data) {
   else if (data) compare(`${where}, by pointer`, pointed, data);
   const expected = panel.axis[0] + ((inside - panel.x) / panel.width) * (panel.axis[1] - panel.axis[0]);
   if (!(Math.abs(pointed?.[0][1] - expected) <= 2e-3 * (panel.axis[1] - panel.axis[0]))) complain(where, `${pointed?.[0]} where the pointer is at ${expected}`);
+  const box = await plot.locator("output").boundingBox();
+  if (!(box && box.x >= 0 && box.x + box.width <= page.viewportSize().width)) complain(where, `the values stand at ${JSON.stringify(box)}`);
   await page.mouse.move(1, 1);
   if (await readout(plot)) complain(where, "the value stays when the pointer is gone");
   await plot.focus();

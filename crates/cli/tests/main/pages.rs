@@ -59,7 +59,9 @@ fn a_closed_loop_has_a_page() {
 fn an_analysis_has_a_page() {
     let (page, out) = page("page_analyze", &["analyze", &model("unicycle.toml")]);
     assert_all_linked(&page, &out);
-    for part in ["strongly accessible", "affine.toml", "<math>", "<title>"] {
+    for part in
+        ["the inputs reach a set of full dimension 3 of 3.", "strongly accessible", "affine.toml", "<math>", "<title>"]
+    {
         assert!(page.contains(part), "{part}");
     }
 }

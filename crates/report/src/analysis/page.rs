@@ -5,7 +5,7 @@ use bracketry_lie::{Analysis, Answer};
 
 use super::affinization::changes;
 use super::figures::{growth_figure, reach_figure};
-use super::summary::summary;
+use super::summary::{summary, verdict};
 use super::text::{family, outputs_tell, point_facts, text};
 use crate::html::{self, Chapter, Figure, Page, equations, escaped, facts, folded, list, paragraph, table, verbatim};
 
@@ -21,8 +21,9 @@ pub fn figures(a: &Analysis) -> Vec<Figure> {
 /// An analysis as an HTML page with these figures, and links to these files beside it.
 pub fn page(a: &Analysis, figures: &[Figure], files: &[(String, String)]) -> String {
     let (first, others) = figures.split_at(figures.len().min(1));
-    let lead = format!("<p class=\"verdict\">{}</p>\n", escaped(&summary(a))) + &html::figures(first);
-    let mut chapters = vec![Chapter::new("What the inputs reach", dimensions(a) + &html::figures(others))];
+    let lead = format!("<p class=\"verdict\">{}</p>\n", escaped(&verdict(a))) + &html::figures(first);
+    let mut chapters =
+        vec![Chapter::new("What the inputs reach", paragraph(&summary(a)) + &dimensions(a) + &html::figures(others))];
     if let Some(Answer::Known(point)) = &a.report.at_point {
         chapters.push(Chapter::new("At the point", facts("At the point", point_facts(point))));
     }

@@ -14,6 +14,20 @@ pub fn summary(a: &Analysis) -> String {
     plain_language(a) + &delays + &about_outputs(a)
 }
 
+/// The answer in a sentence.
+pub(super) fn verdict(a: &Analysis) -> String {
+    let known = |d: &Dimensions| d.strongly_accessible_dimension.known().copied();
+    let least = a.report.modes.iter().map(|m| known(&m.dimensions)).min().flatten();
+    let (Some(inside), true) = (least, a.inputs > 0) else { return plain_language(a) };
+    let n = a.states;
+    let set = if inside == n { "a set of full dimension" } else { "a set of dimension" };
+    let has_modes = a.report.modes.iter().any(|m| !m.signs.0.is_empty());
+    let all = a.report.switched.as_ref().and_then(|s| known(&s.dimensions)).filter(|all| *all > inside);
+    let switching = all.map_or_else(String::new, |all| format!("; with switching between all modes, {all} of {n}"));
+    let when = if has_modes { " while no switching function changes sign" } else { "" };
+    format!("At each time, the inputs reach {set} {inside} of {n}{when}{switching}.")
+}
+
 /// What about the outputs is undecided.
 fn about_outputs(a: &Analysis) -> String {
     let Some(o) = &a.report.observability else { return String::new() };

@@ -49,13 +49,16 @@ for (const plot of document.querySelectorAll(".plot")) {
   const hide = () => ([output.hidden, cursor.style.display] = [true, "none"]);
   hide();
   const show = (lines, path, x, y) => {
-    [output.hidden, cursor.style.display, output.textContent] = [false, "", lines.join("\n")];
+    [output.hidden, cursor.style.display, output.textContent, output.style.left] = [false, "", lines.join("\n"), 0];
     cursor.setAttribute("d", path);
     const [seen, frame] = [svg.getScreenCTM(), plot.getBoundingClientRect()];
     const [across, down] = [x * seen.a + seen.e - frame.left + plot.scrollLeft, y * seen.d + seen.f - frame.top];
-    output.style.left = Math.max(0, across + (x > view.width / 2 ? -12 - output.offsetWidth : 12)) + "px";
-    output.style.top = Math.max(0, Math.min(down, svg.clientHeight - output.offsetHeight)) + "px";
     if (across < plot.scrollLeft || across > plot.scrollLeft + plot.clientWidth) plot.scrollLeft = across - plot.clientWidth / 2;
+    // Beside the cursor, in what is seen of the figure.
+    const beside = across + (x > view.width / 2 ? -12 - output.offsetWidth : 12);
+    const last = plot.scrollLeft + plot.clientWidth - output.offsetWidth;
+    output.style.left = Math.max(plot.scrollLeft, Math.min(beside, last)) + "px";
+    output.style.top = Math.max(0, Math.min(down + 8, svg.clientHeight - output.offsetHeight)) + "px";
   };
   const across = (p, u) => p.x[0] + ((u - p.box[0]) / (p.box[2] - p.box[0])) * (p.x[1] - p.x[0]);
   const up = (p, v) => p.y[0] + ((p.box[3] - v) / (p.box[3] - p.box[1])) * (p.y[1] - p.y[0]);
