@@ -95,20 +95,21 @@ function table(file) {
   return { header, rows: rows.map((row) => row.map(Number)) };
 }
 
-/** Compares what a figure says with the table beside it; `columns` gives the name in the figure of some columns, which are drawn as lines. */
+/** Compares what a figure says with the table beside it; `columns` gives the name in the figure of some columns, which are drawn as lines,
+ * and the factor to its unit. */
 function compare(where, said, { file, columns }) {
   const { header, rows } = table(file);
   const [[, t]] = said;
   const next = rows.findIndex((row) => row[0] >= t);
   const [a, b] = [rows[Math.max(0, next - 1)], rows[next === -1 ? rows.length - 1 : next]];
-  for (const [column, name] of Object.entries(columns)) {
+  for (const [column, [name, factor]] of Object.entries(columns)) {
     const k = header.indexOf(column);
-    const values = rows.map((row) => row[k]);
-    const expected = b[0] > a[0] ? a[k] + ((b[k] - a[k]) * (t - a[0])) / (b[0] - a[0]) : b[k];
+    const values = rows.map((row) => factor * row[k]);
+    const expected = factor * (b[0] > a[0] ? a[k] + ((b[k] - a[k]) * (t - a[0])) / (b[0] - a[0]) : b[k]);
     const value = said.find(([known]) => known === name)?.[1];
     const range = Math.max(...values) - Math.min(...values);
     // The time is read to a pixel, too.
-    const slope = b[0] > a[0] ? Math.abs((b[k] - a[k]) / (b[0] - a[0])) * 2e-3 * (rows.at(-1)[0] - rows[0][0]) : 0;
+    const slope = b[0] > a[0] ? Math.abs((factor * (b[k] - a[k])) / (b[0] - a[0])) * 2e-3 * (rows.at(-1)[0] - rows[0][0]) : 0;
     if (!(Math.abs(value - expected) <= READ * range + slope)) complain(where, `${name} = ${value} at ${t}, but ${expected} in the table`);
   }
 }

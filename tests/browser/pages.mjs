@@ -13,12 +13,14 @@ export function pagesOf(root, out, run) {
     pages.push({ name, file: file(name, page), data, hasFigures });
   };
   // The beam, whose states are drawn as lines.
-  const states = { r: "r = position", v: "v", th: "th = angle", w: "w" };
+  const states = { r: ["r = position", 1], v: ["v", 1], th: ["th = angle", 1], w: ["w", 1] };
   const ball = ["--scenario", guide("ball_scenario.toml")];
   add("simulate", "simulation.html", ["simulate", guide("ball.toml"), ...ball], { file: file("simulate", "trajectory.csv"), columns: states });
   const noise = ["--noise", "position=0.0005,angle=0.0002", "--seed", "1"];
   run(["simulate", guide("felt.toml"), ...ball, ...noise, "--out", path.join(out, "measured")]);
-  add("control", "control.html", ["control", guide("ball_problem.toml")], { file: file("control", "closed_loop.csv"), columns: {} }, [0, 1]);
+  // Between samples the plant moves on smoothly.
+  const loop = { r: ["r", 1], th: ["th", 1] };
+  add("control", "control.html", ["control", guide("ball_problem.toml")], { file: file("control", "closed_loop.csv"), columns: loop }, [0, 1]);
   add("diagnose", "diagnosis.html", ["diagnose", guide("ball.toml"), file("measured", "measured.csv"), "--hold", "linear"], undefined, [0, 1]);
   add("analyze", "analysis.html", ["analyze", guide("ball.toml")], undefined, [0, 1]);
   const map = ["--map", "l=0.1..1,m=0.05..1", "--cells", "6"];
@@ -26,7 +28,8 @@ export function pagesOf(root, out, run) {
   add("parameters", "parameters.html", ["analyze", model("cart_pole.toml"), "--parameters", "l"], undefined, [0, 1], false);
   const rest = ["--from-rest", "--bounds", "der(theta,2)=-20..20", "--map", "der(X,2)=1..5,theta=0.1..0.5", "--cells", "6"];
   add("rest", "from_rest_map.html", ["analyze", model("plate_published.toml"), ...rest], undefined, [0, 1]);
-  add("plate", "plate.html", ["plate", "1", "--seconds", "2", "--gif"], undefined, [0, 1]);
+  const pose = { x_plate: ["x", 1e3], y_plate: ["y", 1e3], phi_plate: ["φ", 180 / Math.PI], plate_theta: ["plate θ", 180 / Math.PI] };
+  add("plate", "plate.html", ["plate", "1", "--seconds", "2", "--gif"], { file: file("plate", "trajectory.csv"), columns: pose }, [0, 1]);
   const robot = model("kr125.toml");
   add("identify", "identification.html", ["stiffness", "identify", measurements(file("", "measurements.csv")), robot, "--keep-outliers"], undefined, [0, 1]);
   add("compensate", "compensation.html", ["stiffness", "compensate", readings(file("", "log.csv")), robot], undefined, [0, 1]);
