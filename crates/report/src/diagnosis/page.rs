@@ -74,10 +74,11 @@ impl Diagnosis {
 fn of_cause(cause: &NamedCause) -> Chapter {
     let title = format!("{} in the equation of {}", cause.name.words(), cause.equation);
     let term = format!("<div class=\"cause\">{}</div>\n", wide(&title, &cause.term.notation().mathml()));
-    let mut out = "<ul>".to_owned();
+    let mut found = String::new();
     for (name, value) in cause.parameters.iter() {
-        let _ = write!(out, "<li>{} = {}</li>", symbol(name), escaped(&value.to_string()));
+        let _ = writeln!(found, "<p>{} = {}</p>", symbol(name), escaped(&value.to_string()));
     }
+    let mut out = "<ul>".to_owned();
     let _ = match cause.p_value {
         Some(p) => write!(out, "<li>p-value: {}</li>", escaped(&p_value(p))),
         None => write!(out, "<li>without the cause some of the data cannot be simulated</li>"),
@@ -110,7 +111,7 @@ fn of_cause(cause: &NamedCause) -> Chapter {
     if !cause.separating_experiment.is_empty() {
         let _ = write!(out, "<p>To distinguish them: {}</p>", escaped(&cause.separating_experiment));
     }
-    Chapter::new(title, term + &folded("Parameters and evidence", &out))
+    Chapter::new(title, term + &found + &folded("Evidence", &out))
 }
 
 fn of_gain(gain: &Gain, time: TimeUnit) -> Chapter {

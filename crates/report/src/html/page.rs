@@ -12,7 +12,7 @@ use super::figure::Figure;
 use super::{escaped, folded, opened};
 
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+const SCRIPT: &str = concat!(include_str!("figure.js"), include_str!("page.js"));
 /// Files of figures from which on they are folded.
 const FEW_FIGURES: usize = 5;
 /// Levels of headings below the title that the contents list.
