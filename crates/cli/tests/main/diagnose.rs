@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::pages::assert_page;
+use crate::common::pages::{assert_all_linked, assert_page};
 use crate::common::{bracketry, code, file, json, scratch};
 use bracketry_trials::{Slider, SliderEffect, SliderSensors};
 use rand::SeedableRng;
@@ -32,6 +32,7 @@ fn a_hidden_slope_is_found_and_the_extended_model_goes_into_the_controller() {
     let page = fs::read_to_string(out.join("diagnosis.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("<math>") && page.contains("href=\"extended.toml\""));
     assert_page(&page, Some(&out));
+    assert_all_linked(&page, &out);
 
     // The loop on the plant as it really is, the extended model in the controller.
     let truth = &log.truth;

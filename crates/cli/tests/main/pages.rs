@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::common::pages::assert_page;
+use crate::common::pages::{assert_all_linked, assert_page, is_page};
 use crate::common::robots::{log, measurements};
 use crate::common::{bracketry, code, file, model, root, scratch, text};
 
@@ -19,21 +19,8 @@ fn page(name: &str, arguments: &[&str]) -> (String, PathBuf) {
     (page, out)
 }
 
-fn is_page(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e == "html")
-}
-
 fn guide(name: &str) -> String {
     root().join("docs/getting_started").join(name).to_str().unwrap().to_owned()
-}
-
-/// Every file beside the page is linked.
-fn assert_all_linked(page: &str, out: &Path) {
-    for entry in fs::read_dir(out).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_str().unwrap();
-        assert!(is_page(&path) || page.contains(&format!("href=\"{name}\"")), "{name} has no link");
-    }
 }
 
 #[test]

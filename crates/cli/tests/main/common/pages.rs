@@ -1,6 +1,7 @@
 //! What every page of a command is made of, without a browser.
 
 use std::collections::BTreeSet;
+use std::fs;
 use std::path::Path;
 
 /// Elements that have no end.
@@ -98,4 +99,18 @@ pub(crate) fn assert_page(page: &str, folder: Option<&Path>) {
         }
     }
     assert!(!page.contains("url(") && !page.contains("@import"));
+}
+
+/// Every file beside the page is linked.
+pub(crate) fn assert_all_linked(page: &str, out: &Path) {
+    for entry in fs::read_dir(out).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!(is_page(&path) || page.contains(&format!("href=\"{name}\"")), "{name} has no link");
+    }
+}
+
+/// Whether a file is a page.
+pub(crate) fn is_page(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "html")
 }
