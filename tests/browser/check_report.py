@@ -17,7 +17,10 @@ import sys
 NAMES = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox"]
 
 # What the page is made of, as the browser sees it.
-LOOK = r"""() => ({
+LOOK = r"""() => {
+  // What is folded belongs to it.
+  document.querySelectorAll('details').forEach(part => { part.open = true; });
+  return {
   images: [...document.images].map(i => ({alt: i.alt, complete: i.complete, width: i.naturalWidth, height: i.naturalHeight})),
   drawings: [...document.querySelectorAll('figure svg')].map(s => {
     const box = s.getBoundingClientRect();
@@ -27,7 +30,8 @@ LOOK = r"""() => ({
   headings: [...document.querySelectorAll('h2')].map(h => h.innerText).filter(title => /^\d+\. /.test(title)),
   text: document.body.innerText,
   overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
-})"""
+  };
+}"""
 
 
 def browser_of(playwright):
