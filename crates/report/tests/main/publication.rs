@@ -67,7 +67,7 @@ fn every_function_and_type_is_public_in_its_file() {
 
 #[test]
 fn texts_fit_narrow_and_wide_lines() {
-    for width in [45, 80, 200] {
+    for width in [50, 80, 200] {
         let texts: Vec<String> = entries().map(|e| entry_text(e, width)).chain([list_text(entries(), width)]).collect();
         for line in texts.iter().flat_map(|text| text.lines()) {
             // A single word may be longer, after the word of its section.
