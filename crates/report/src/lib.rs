@@ -23,6 +23,7 @@ pub mod html;
 pub mod identifiability;
 mod notation;
 pub mod operating;
+mod paragraphs;
 pub mod parameters;
 pub mod plate;
 pub mod publication;

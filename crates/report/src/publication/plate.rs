@@ -1,6 +1,6 @@
 //! Section 3.2: the object on the vibrating plate.
 
-use super::{Entry, Kind, Place, Verdict};
+use super::entry::{Entry, Kind, Place, Verdict};
 
 const PROTOCOL: &str = "crates/plate/src/experiment/protocol.rs";
 const DERIVATION: &str = "crates/plate/src/model/derivation.rs";

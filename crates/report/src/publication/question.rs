@@ -1,6 +1,6 @@
 //! Section 3.2.3: what the publication leaves open, point by point.
 
-use super::{Entry, Kind, Place, Verdict};
+use super::entry::{Entry, Kind, Place, Verdict};
 
 const MODEL: Place = Place { name: "model file", file: "models/plate_published.toml" };
 

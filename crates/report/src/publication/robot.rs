@@ -1,6 +1,6 @@
 //! Section 3.1: the stiffness of a robot, and the compensation of its deformation.
 
-use super::{Entry, Kind, Place, Verdict};
+use super::entry::{Entry, Kind, Place, Verdict};
 
 const FRAME: &str = "crates/stiffness/src/robot/frame.rs";
 const KINEMATICS: &str = "crates/stiffness/src/robot/kinematics.rs";

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod analysis;
+mod common;
 mod control;
 mod diagnosis;
 mod document;

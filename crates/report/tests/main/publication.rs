@@ -1,16 +1,7 @@
 //! The entries on the publication: all are there, what they name exists, and the page of the documentation shows them.
 
+use crate::common::{fits, has_entries, source, test_exists};
 use bracketry_report::publication::{Kind, Verdict, entries, entry_text, found, list_text, page};
-use std::fs;
-use std::path::{Path, PathBuf};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-fn source(file: &str) -> String {
-    fs::read_to_string(root().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
-}
 
 #[test]
 fn every_equation_and_figure_has_an_entry_with_a_verdict() {
@@ -30,14 +21,7 @@ fn every_equation_and_figure_has_an_entry_with_a_verdict() {
 #[test]
 fn every_test_exists_in_its_file_and_module() {
     for entry in entries() {
-        for test in entry.tests {
-            let (file, name) = test.split_once("::").unwrap();
-            let text = source(file);
-            assert!(text.contains(&format!("#[test]\nfn {name}()")), "{}: {test}", entry.label());
-            let program = source(&format!("{}/main.rs", file.rsplit_once('/').unwrap().0));
-            let module = Path::new(file).file_stem().unwrap().to_str().unwrap();
-            assert!(program.contains(&format!("mod {module};")), "{test}");
-        }
+        entry.tests.iter().for_each(|test| test_exists(&entry.label(), test));
     }
 }
 
@@ -67,33 +51,13 @@ fn every_function_and_type_is_public_in_its_file() {
 
 #[test]
 fn texts_fit_narrow_and_wide_lines() {
-    for width in [50, 80, 200] {
-        let texts: Vec<String> = entries().map(|e| entry_text(e, width)).chain([list_text(entries(), width)]).collect();
-        for line in texts.iter().flat_map(|text| text.lines()) {
-            // A single word may be longer, after the word of its section.
-            let fits = line.chars().count() <= width || line.split_whitespace().count() <= 2;
-            assert!(fits, "{width}: {line}");
-            assert_eq!(line.trim_end(), line);
-        }
+    for width in [45, 80, 200] {
+        entries().for_each(|e| fits(&entry_text(e, width), width));
+        fits(&list_text(entries(), width), width);
     }
 }
 
-/// Between these lines of `docs/publication.md` stand the entries.
-const MARKS: [&str; 2] = ["<!-- entries: begin -->\n", "<!-- entries: end -->\n"];
-
 #[test]
 fn the_page_has_the_entries_of_the_command() {
-    let path = root().join("docs/publication.md");
-    let text = fs::read_to_string(&path).unwrap();
-    let (before, rest) = text.split_once(MARKS[0]).unwrap();
-    let (_, after) = rest.split_once(MARKS[1]).unwrap();
-    let fresh = [before, MARKS[0], &page(), MARKS[1], after].concat();
-    if std::env::var_os("BRACKETRY_WRITE_DOCS").is_some() {
-        fs::write(&path, &fresh).unwrap();
-    }
-    let now = fs::read_to_string(&path).unwrap();
-    assert!(
-        now == fresh,
-        "docs/publication.md is stale; BRACKETRY_WRITE_DOCS=1 cargo test -p bracketry-report --test main publication:: writes it"
-    );
+    has_entries("publication.md", &page());
 }
