@@ -39,6 +39,7 @@ mod problem_file;
 mod problem_keys;
 mod problem_mistakes;
 mod progress;
+mod published_optima;
 mod random_loops;
 mod recording;
 mod riccati;
