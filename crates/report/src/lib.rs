@@ -27,6 +27,7 @@ mod paragraphs;
 pub mod parameters;
 pub mod plate;
 pub mod publication;
+pub mod reproduced;
 pub mod simulation;
 pub mod steering;
 pub mod stiffness;

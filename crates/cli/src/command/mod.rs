@@ -27,6 +27,7 @@ mod own_folder;
 mod plate;
 mod progress;
 mod publication;
+mod reproduce;
 mod seed;
 mod shell;
 mod simulate;
@@ -175,6 +176,11 @@ enum Command {
         "Exit codes", "0  printed\n2  there is no such number",
     )]))]
     Publication(publication::PublicationArgs),
+    /// Published results that are reproduced here: claim, command, our figure, and verdict, by name, author, or year
+    #[command(after_help = examples(&reproduce::EXAMPLES), after_long_help = guide(&reproduce::EXAMPLES, &[(
+        "Exit codes", "0  printed\n2  there is no such result",
+    )]))]
+    Reproduce(reproduce::ReproduceArgs),
     /// Stiffness of a robot: identify it from measurements and compensate for the deformation
     #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
     Stiffness(StiffnessCommand),
@@ -220,7 +226,12 @@ impl Command {
             Self::Plate(args) => args.files(),
             Self::Stiffness(command) => command.files(),
             Self::Control(args) => Given::problem(&args.problem),
-            Self::Demo(_) | Self::New(_) | Self::Publication(_) | Self::Completions(_) | Self::Man(_) => Vec::new(),
+            Self::Demo(_)
+            | Self::New(_)
+            | Self::Publication(_)
+            | Self::Reproduce(_)
+            | Self::Completions(_)
+            | Self::Man(_) => Vec::new(),
         }
     }
 }
@@ -270,6 +281,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Publication(args)) => publication::run(&args, &output),
+        Some(Command::Reproduce(args)) => reproduce::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),
         Some(Command::Experiment(args)) => experiment::run(&args, &output),
         Some(Command::Stiffness(command)) => stiffness::run(&command, &output),

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use crate::common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 20] = [
     "demo",
     "new",
     "analyze",
@@ -23,6 +23,7 @@ const COMMANDS: [&str; 19] = [
     "experiment",
     "plate",
     "publication",
+    "reproduce",
     "stiffness",
     "completions",
     "man",

@@ -30,6 +30,7 @@ mod plate_command;
 mod plate_comparison;
 mod publication;
 mod report;
+mod reproduced;
 mod simulate;
 mod steer;
 mod stiffness;

@@ -8,4 +8,5 @@ mod diagnosis;
 mod document;
 mod page;
 mod publication;
+mod reproduced;
 mod stiffness_text;
