@@ -44,7 +44,8 @@ impl fmt::Display for Field {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The statement holds, or the number agrees to its published digits, within 0.1 %, or within its stated error.
+    /// The statement holds, or the number agrees to its published digits, within 0.1 %, within its stated error, or within the tolerance that is
+    /// stated with the test.
     Same,
     /// It does not; the remark says what is known about the reason.
     Differs,
