@@ -24,7 +24,11 @@ pub(super) fn listed<T: ToString>(values: &[T]) -> String {
 /// What a comparison says of a method.
 pub fn advice(advice: &Advice) -> String {
     match advice {
-        Advice::Trust { method, held_out } => format!(
+        Advice::Trust { method, held_out, explains: false } => format!(
+            "no method explains the measurements; {method} is the best: it predicts held-out displacements to {held_out:.2} σ and, of the \
+             methods that do so, has the fewest parameters"
+        ),
+        Advice::Trust { method, held_out, explains: true } => format!(
             "trust {method}: this method predicts held-out displacements to {held_out:.2} σ and, of the methods that do so, has the fewest parameters"
         ),
         Advice::DoesNotApply { method, why } => format!("{method}: not applicable: {why}"),

@@ -1,7 +1,7 @@
 //! Sentences about the stiffness of robots.
 
 use bracketry_report::stiffness::text;
-use bracketry_stiffness::{Advice, Attenuation, CartesianEstimator, LostMotion, LostMotionReport, Springs};
+use bracketry_stiffness::{Advice, Attenuation, CartesianEstimator, LostMotion, LostMotionReport, Method, Springs};
 
 #[test]
 fn lost_motion_is_told_by_joint() {
@@ -19,4 +19,12 @@ fn advice_names_the_bias_of_the_published_estimator_and_overstated_noise() {
     let words = text::advice(&advice);
     assert!(words.contains("the noise of ΔX makes K too small"), "{words}");
     assert!(text::advice(&Advice::NoiseOverstated { residual: 0.2 }).contains("times the stated noise"));
+}
+
+#[test]
+fn the_best_of_methods_that_miss_something_is_not_to_be_trusted() {
+    let advice = |explains| text::advice(&Advice::Trust { method: Method::JointSprings, held_out: 13.4, explains });
+    assert!(advice(true).starts_with("trust joint springs"), "{}", advice(true));
+    let words = advice(false);
+    assert!(words.contains("no method explains") && !words.contains("trust"), "{words}");
 }

@@ -82,6 +82,8 @@ pub enum Advice {
         method: Method,
         /// Error of its prediction of held-out displacements, in units of their noise.
         held_out: f64,
+        /// Whether that error is noise; else the method is only the best of those that all miss something.
+        explains: bool,
     },
     /// A method that does not apply.
     DoesNotApply {
@@ -167,7 +169,7 @@ pub fn compare(
         let first = methods.into_iter().find_map(|(_, report)| report.err());
         return Err(first.unwrap_or(IdentificationError::TooFew { what: "a comparison", found: 0, needed: 7 }));
     };
-    let mut advice = vec![Advice::Trust { method: trusted, held_out: error }];
+    let mut advice = vec![Advice::Trust { method: trusted, held_out: error, explains: error * error <= MISSES }];
     advice.extend(methods.iter().flat_map(|(method, report)| advice_on(*method, report)));
     advice.extend(noise_overstated(&methods, trusted, set.len()));
     Ok(Comparison { methods, trusted, advice, outliers: left_out })

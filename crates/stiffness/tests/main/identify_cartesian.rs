@@ -288,6 +288,19 @@ fn the_comparison_distrusts_the_published_estimator_and_foresees_its_error() {
     assert!(comparison.advice.iter().any(warned), "{:?}", comparison.advice);
 }
 
+/// With noise stated as five times smaller than it is, no method leaves only noise, and the best one is not to be trusted.
+#[test]
+fn the_best_method_explains_the_measurements_or_not() {
+    let measurements = linear_measurements(&mut rng(700), &compliance(), 200);
+    let small = NOISE.map(|s| s / 5.0);
+    let understated = MeasurementNoise::from_std(small[0], small[1], small[2], small[3]);
+    for (stated, explained) in [(noise(), true), (understated, false)] {
+        let set = MeasurementSet::new(measurements.clone(), stated).unwrap();
+        let advice = compared(&set, &Springs::linear(&[5e5; 6]), Outliers::Keep).unwrap().advice;
+        assert!(matches!(advice[0], Advice::Trust { explains, .. } if explains == explained), "{:?}", advice[0]);
+    }
+}
+
 #[test]
 fn over_several_poses_only_springs_are_compared() {
     let springs = Springs::linear(&STIFFNESS);
