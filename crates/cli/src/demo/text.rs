@@ -16,6 +16,7 @@ use bracketry::report::rank_change_text;
 pub(super) const OPENING: &str = "\
 The published model is that of M. Momeni Kelageri, Training and Research Activities Report, First Year, XXIX Cycle,
 PhD in Information Technology and Electrical Engineering, Università degli Studi di Napoli Federico II, 2015, chapter 3.
+`bracketry publication` gives a verdict on each of its equations.
 No physical plate was available: the true plant is a simulation of contact over the whole footprint of the object,
 and the logs are recorded from it, with simulated camera noise.
 ";
