@@ -2,7 +2,7 @@
 
 use crate::func::{Func, Func2};
 
-/// An expression: an index into the [`Pool`] that made it.
+/// An expression: an index into the [`Pool`](crate::Pool) that made it.
 ///
 /// Structurally equal expressions of one pool have equal ids. The id of an
 /// operand is smaller than that of the node which uses it, so ascending ids
@@ -11,13 +11,13 @@ use crate::func::{Func, Func2};
 pub struct Expr(pub(crate) u32);
 
 impl Expr {
-    /// Position in the arena; below [`Pool::len`].
+    /// Position in the arena; below [`Pool::len`](crate::Pool::len).
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// A named indeterminate of a [`Pool`].
+/// A named indeterminate of a [`Pool`](crate::Pool).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Symbol(pub(crate) u32);
 
@@ -26,7 +26,7 @@ pub struct Symbol(pub(crate) u32);
 /// Subtraction is `a + (-1)·b`, division `a · b^(-1)`, a square root `a^(1/2)`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Node {
-    /// An exact rational; see [`Pool::number`].
+    /// An exact rational; see [`Pool::number`](crate::Pool::number).
     Num(u32),
     /// π.
     Pi,
