@@ -156,7 +156,7 @@ fn bad_arguments_have_codes_and_change_nothing() {
         check(step(handle, 0.0, good.as_ptr(), 2, null_mut(), 1), BracketryCode::Null, "u is a null pointer");
         check(step(handle, 0.0, good.as_ptr(), 1, p, 1), BracketryCode::Length, "measurement");
         check(step(handle, 0.0, good.as_ptr(), 2, p, 2), BracketryCode::Length, "u has the length 2; it has to be 1");
-        check(step(handle, 0.0, good.as_ptr(), usize::MAX, p, 1), BracketryCode::Length, "no length");
+        check(step(handle, 0.0, good.as_ptr(), usize::MAX, p, 1), BracketryCode::Length, "not a valid array length");
         check(step(handle, 0.0, good.as_ptr().byte_add(1), 1, p, 1), BracketryCode::Null, "aligned");
         check(step(handle, f64::NAN, good.as_ptr(), 2, p, 1), BracketryCode::Time, "NaN");
         check(bracketry_controller_set_reference(handle, goal.as_ptr(), f64::NAN), BracketryCode::Value, "finite");
