@@ -91,7 +91,7 @@ fn numbers_that_stand_for_lost_values_are_lost() {
         let (record, warnings) = rows.run();
         assert_eq!(lost(&record, 1), at, "{mark}: {warnings}");
         assert!(
-            warnings.contains("`x` is") && warnings.contains("6 times") && !warnings.contains("were lost"),
+            warnings.contains("`x` has the value") && warnings.contains("6 times") && !warnings.contains("were lost"),
             "{warnings}"
         );
     }
