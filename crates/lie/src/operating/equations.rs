@@ -9,10 +9,9 @@ const WEIGHED: f64 = 1e6;
 
 /// f(z) = 0 for the states that shall rest, with the Jacobian and the limits of z.
 pub(crate) struct Equations {
+    /// Behind the equations, functions that cancel in them and must have values, too.
     f: Tape,
     jacobian: Tape,
-    /// Functions that must have values, too.
-    canceled: Tape,
     scratch: Vec<f64>,
     /// Factors of the equations in the iterations.
     weights: Vec<f64>,
@@ -34,11 +33,10 @@ impl Equations {
         let mut pool = system.pool.clone();
         let jacobian: Vec<Expr> = equations.iter().flat_map(|&e| pool.gradient(e, free)).collect();
         let with_derivatives = System { pool, ..system.clone() };
-        let f = system.compile(free, equations)?;
+        let f = system.compile(free, &[equations, canceled].concat())?;
         let jacobian = with_derivatives.compile(free, &jacobian)?;
-        let canceled = system.compile(free, canceled)?;
         let (rows, weights) = (equations.len(), vec![1.0; equations.len()]);
-        Ok(Equations { f, jacobian, canceled, scratch: Vec::new(), weights, rows, limits })
+        Ok(Equations { f, jacobian, scratch: Vec::new(), weights, rows, limits })
     }
 
     /// Weighs equations whose slopes at `z` differ by more than the iterations can tell from rounding.
@@ -66,14 +64,13 @@ impl Equations {
     }
 
     pub(crate) fn value(&mut self, z: &DVector<f64>) -> DVector<f64> {
-        let mut out = DVector::zeros(self.rows);
-        self.f.eval(z.as_slice(), &mut self.scratch, out.as_mut_slice());
-        let mut canceled = vec![0.0; self.canceled.n_outputs()];
-        self.canceled.eval(z.as_slice(), &mut self.scratch, &mut canceled);
+        let mut out = vec![0.0; self.f.n_outputs()];
+        self.f.eval(z.as_slice(), &mut self.scratch, &mut out);
+        let canceled = out.split_off(self.rows);
         if canceled.iter().any(|v| v.is_nan()) {
             out.fill(f64::NAN);
         }
-        out
+        DVector::from_vec(out)
     }
 
     pub(crate) fn jacobian(&mut self, z: &DVector<f64>) -> DMatrix<f64> {
