@@ -37,13 +37,22 @@ pub fn paragraphs(text: &str) -> String {
 
 /// Items of plain text; nothing without any.
 pub fn list<S: AsRef<str>>(items: impl IntoIterator<Item = S>) -> String {
-    let items: Vec<String> = items.into_iter().map(|item| escaped(item.as_ref())).collect();
+    items_of(items.into_iter().map(|item| escaped(item.as_ref())))
+}
+
+/// Items that are HTML already; nothing without any.
+fn items_of(items: impl IntoIterator<Item = String>) -> String {
+    let items: Vec<String> = items.into_iter().collect();
     if items.is_empty() { String::new() } else { format!("<ul><li>{}</li></ul>\n", items.join("</li><li>")) }
 }
 
 /// Content that is folded under a line.
 pub fn folded(line: &str, content: &str) -> String {
-    format!("<details><summary>{}</summary>\n{content}</details>\n", escaped(line))
+    details("", line, content)
+}
+
+fn details(attributes: &str, line: &str, content: &str) -> String {
+    format!("<details{attributes}><summary>{}</summary>\n{content}</details>\n", escaped(line))
 }
 
 /// A report for terminals as it stands, folded under a line.
@@ -53,7 +62,7 @@ pub fn verbatim(line: &str, text: &str) -> String {
 
 /// The same, open at first.
 pub(crate) fn opened(line: &str, text: &str) -> String {
-    verbatim(line, text).replacen("<details>", "<details open>", 1)
+    details(" open", line, &preformatted(line, text))
 }
 
 fn preformatted(name: &str, text: &str) -> String {

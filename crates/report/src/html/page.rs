@@ -9,7 +9,7 @@ use bracketry_system::System;
 
 use super::equations::model;
 use super::figure::Figure;
-use super::{escaped, folded, opened};
+use super::{escaped, folded, items_of, opened};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = concat!(include_str!("figure.js"), include_str!("page.js"));
@@ -51,8 +51,7 @@ impl Chapter {
                 let (name, what) = (escaped(name), escaped(what));
                 format!("<a href=\"{name}\">{name}</a>: {what}")
             };
-            let items: Vec<String> = files.into_iter().map(item).collect();
-            format!("<ul><li>{}</li></ul>\n", items.join("</li><li>"))
+            items_of(files.into_iter().map(item))
         };
         let ending = |name: &str| Path::new(name).extension().map(OsStr::to_os_string);
         let is_figure = |(name, _): &&(String, String)| ending(name).is_some_and(|e| e == "svg" || e == "png");
